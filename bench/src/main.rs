@@ -1,0 +1,70 @@
+//! `cargo run --release -p ylm-bench -- TABLE [--json FILE] [--quick]`: one table of a paper, ours beside theirs.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+mod machine;
+mod table;
+
+use table::Table;
+
+/// What the command line asks of a bench.
+pub struct Options {
+    /// Fewer repetitions and smaller sizes: a smoke test, not a measurement.
+    pub quick: bool,
+    /// Where files that a bench draws (plots, pictures, results) go.
+    pub out: PathBuf,
+}
+
+/// A bench: its name on the command line, and what runs it.
+type Bench = (&'static str, fn(&Options) -> Vec<Table>);
+
+const BENCHES: &[Bench] = &[];
+
+const USAGE: &str = "usage: ylm-bench TABLE [--json FILE] [--quick] [--out DIR]";
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("ylm-bench: {message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run() -> Result<(), String> {
+    let names: Vec<_> = BENCHES.iter().map(|(name, _)| *name).collect();
+    let mut options = Options { quick: false, out: PathBuf::from("target/bench") };
+    let (mut json, mut chosen) = (None, None);
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        let mut value = |flag: &str| arguments.next().ok_or(format!("{flag} needs a value; {USAGE}"));
+        match argument.as_str() {
+            "--quick" => options.quick = true,
+            "--json" => json = Some(PathBuf::from(value("--json")?)),
+            "--out" => options.out = PathBuf::from(value("--out")?),
+            name => chosen = Some(name.to_owned()),
+        }
+    }
+    let chosen = chosen.ok_or(format!("{USAGE}; tables: {}", names.join(", ")))?;
+    let (_, bench) = BENCHES
+        .iter()
+        .find(|(name, _)| *name == chosen)
+        .ok_or(format!("no table {chosen}; there are {}", names.join(", ")))?;
+    std::fs::create_dir_all(&options.out).map_err(|e| format!("{}: {e}", options.out.display()))?;
+    println!("{}\n", machine::describe());
+    let tables = bench(&options);
+    for table in &tables {
+        println!("{}", table.to_markdown());
+    }
+    if let Some(path) = json {
+        let value = serde_json::json!({
+            "bench": chosen,
+            "machine": machine::describe(),
+            "tables": tables.iter().map(Table::to_json).collect::<Vec<_>>(),
+        });
+        std::fs::write(&path, format!("{value:#}\n")).map_err(|e| format!("{}: {e}", path.display()))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,1 @@
+//! Light from far away: probes, skies, discs, and their SH coefficients.

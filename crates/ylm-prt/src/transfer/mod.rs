@@ -1,0 +1,1 @@
+//! The bake: light-independent transfer of every lighting point.

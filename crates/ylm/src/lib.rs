@@ -1,0 +1,16 @@
+//! Spherical harmonics for lighting, at any number of bands.
+//!
+//! Real orthonormal basis, right-handed axes, z polar, Condon–Shortley phase included, flat index
+//! `i = l(l+1) + m`. Arrays are row-major `[item, coeff]`. No I/O, no threads, builds for wasm32.
+
+pub mod bands;
+pub mod error;
+pub mod legendre;
+pub mod quadrature;
+pub mod real;
+mod simd;
+
+pub use bands::Bands;
+pub use error::{Error, Result};
+pub use real::Real;
+pub use simd::Level;
