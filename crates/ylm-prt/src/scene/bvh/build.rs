@@ -1,0 +1,205 @@
+//! obvhs builds a binary hierarchy; this collapses it to nodes of eight children.
+
+use std::time::Duration;
+
+use glam::{Vec3, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2_from_tris;
+use obvhs::triangle::Triangle;
+
+use super::Bvh;
+use super::lanes::Isa;
+use super::node::{LEAF, MAX_DEPTH, Node, TriangleBlock, WIDTH};
+use super::traverse::power_of_two_below;
+
+/// Levels of collapsed nodes before what is left is divided evenly instead; seven more then hold 2^31 triangles even
+/// with blocks of one.
+const MAX_COLLAPSED_DEPTH: usize = MAX_DEPTH - 12;
+
+/// Builds nodes and blocks of a mesh.
+pub fn build(positions: &[Vec3], triangles: &[[u32; 3]]) -> Bvh {
+    let extent = positions.iter().fold(0.0f32, |extent, p| extent.max(p.abs().max_element()));
+    let scale = if extent > 0.0 { power_of_two_below(1.0 / extent) } else { 1.0 };
+    let scaled: Vec<Triangle> = triangles
+        .iter()
+        .map(|corners| {
+            let [v0, v1, v2] = corners.map(|i| Vec3A::from(positions[i as usize] * scale));
+            Triangle { v0, v1, v2 }
+        })
+        .collect();
+    let params = BvhBuildParams {
+        pre_split: false,
+        max_prims_per_leaf: 4,
+        collapse_traversal_cost: 1.0,
+        ..BvhBuildParams::medium_build()
+    };
+    let binary = build_bvh2_from_tris(&scaled, params, &mut Duration::default());
+    let mut collapse = Collapse::new(&binary, &scaled);
+    if scaled.is_empty() {
+        collapse.nodes.push(Node::EMPTY);
+    } else {
+        collapse.node(Subtree::Binary(0), 0);
+    }
+    Bvh { nodes: collapse.nodes, blocks: collapse.blocks, scale, isa: Isa::best() }
+}
+
+/// Part of the scene that becomes one child.
+#[derive(Clone, Copy)]
+enum Subtree<'a> {
+    /// Below a node of the binary hierarchy.
+    Binary(u32),
+    /// A list of triangles, where the binary hierarchy was too deep.
+    List(&'a [u32]),
+}
+
+struct Collapse<'a> {
+    binary: &'a Bvh2,
+    triangles: &'a [Triangle],
+    /// Triangles below each binary node.
+    counts: Vec<u32>,
+    nodes: Vec<Node>,
+    blocks: Vec<TriangleBlock>,
+}
+
+impl<'a> Collapse<'a> {
+    fn new(binary: &'a Bvh2, triangles: &'a [Triangle]) -> Self {
+        let counts = triangle_counts(binary);
+        Self { binary, triangles, counts, nodes: Vec::new(), blocks: Vec::new() }
+    }
+
+    /// Makes a node of `subtree` and everything below it; returns its index.
+    fn node(&mut self, subtree: Subtree, depth: usize) -> u32 {
+        let index = self.nodes.len();
+        self.nodes.push(Node::EMPTY);
+        let mut list = Vec::new();
+        let subtree = match subtree {
+            Subtree::Binary(root) if depth >= MAX_COLLAPSED_DEPTH => {
+                self.gather(root, &mut list);
+                Subtree::List(&list)
+            }
+            other => other,
+        };
+        let children = match subtree {
+            Subtree::Binary(root) => self.open(root).into_iter().map(Subtree::Binary).collect(),
+            Subtree::List(list) => {
+                list.chunks(list.len().div_ceil(WIDTH)).map(Subtree::List).collect::<Vec<_>>()
+            }
+        };
+        for (lane, child) in children.into_iter().enumerate() {
+            let (low, high) = self.bounds(child);
+            let child =
+                if self.count(child) <= WIDTH { self.block(child) } else { self.node(child, depth + 1) };
+            let node = &mut self.nodes[index];
+            for axis in 0..3 {
+                node.bounds[axis][lane] = low[axis];
+                node.bounds[axis + 3][lane] = high[axis];
+            }
+            node.children[lane] = child;
+        }
+        index as u32
+    }
+
+    /// Up to eight binary nodes that together hold what `root` holds: the largest is opened as long as there is room,
+    /// those that fill more than one block first.
+    fn open(&self, root: u32) -> Vec<u32> {
+        let nodes = &self.binary.nodes;
+        let mut open = vec![root];
+        while open.len() < WIDTH {
+            let largest = (0..open.len()).filter(|&i| !nodes[open[i] as usize].is_leaf()).max_by(|&i, &j| {
+                let key = |i: usize| {
+                    let node = open[i] as usize;
+                    (self.counts[node] as usize > WIDTH, nodes[node].aabb().half_area())
+                };
+                let ((large_i, area_i), (large_j, area_j)) = (key(i), key(j));
+                large_i.cmp(&large_j).then(area_i.total_cmp(&area_j))
+            });
+            let Some(largest) = largest else { break };
+            let first = nodes[open[largest] as usize].first_index;
+            open[largest] = first;
+            open.push(first + 1);
+        }
+        open
+    }
+
+    /// Makes a block of a subtree of at most eight triangles.
+    fn block(&mut self, subtree: Subtree) -> u32 {
+        let mut gathered = Vec::new();
+        let list = match subtree {
+            Subtree::Binary(root) => {
+                self.gather(root, &mut gathered);
+                &gathered
+            }
+            Subtree::List(list) => list,
+        };
+        let mut block = TriangleBlock::EMPTY;
+        for (lane, &triangle) in list.iter().enumerate() {
+            let Triangle { v0, v1, v2 } = self.triangles[triangle as usize];
+            for (corner, position) in [v0, v1, v2].into_iter().enumerate() {
+                for axis in 0..3 {
+                    block.corners[3 * corner + axis][lane] = position[axis];
+                }
+            }
+            block.triangles[lane] = triangle;
+        }
+        self.blocks.push(block);
+        LEAF | (self.blocks.len() - 1) as u32
+    }
+
+    fn count(&self, subtree: Subtree) -> usize {
+        match subtree {
+            Subtree::Binary(root) => self.counts[root as usize] as usize,
+            Subtree::List(list) => list.len(),
+        }
+    }
+
+    fn bounds(&self, subtree: Subtree) -> (Vec3A, Vec3A) {
+        match subtree {
+            Subtree::Binary(root) => {
+                let aabb = self.binary.nodes[root as usize].aabb();
+                (aabb.min, aabb.max)
+            }
+            Subtree::List(list) => {
+                list.iter().fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(low, high), &i| {
+                    let aabb = obvhs::Boundable::aabb(&self.triangles[i as usize]);
+                    (low.min(aabb.min), high.max(aabb.max))
+                })
+            }
+        }
+    }
+
+    /// Appends the triangles below a binary node.
+    fn gather(&self, root: u32, list: &mut Vec<u32>) {
+        let mut stack = vec![root];
+        while let Some(index) = stack.pop() {
+            let node = &self.binary.nodes[index as usize];
+            let first = node.first_index;
+            if node.is_leaf() {
+                let range = first as usize..(first + node.prim_count) as usize;
+                list.extend_from_slice(&self.binary.primitive_indices[range]);
+            } else {
+                stack.extend([first + 1, first]);
+            }
+        }
+    }
+}
+
+/// Triangles below each node of a binary hierarchy, however deep it is.
+fn triangle_counts(binary: &Bvh2) -> Vec<u32> {
+    let mut counts = vec![0; binary.nodes.len()];
+    let mut stack = if binary.nodes.is_empty() { vec![] } else { vec![0u32] };
+    while let Some(&index) = stack.last() {
+        let node = &binary.nodes[index as usize];
+        let first = node.first_index as usize;
+        if node.is_leaf() {
+            counts[index as usize] = node.prim_count;
+        } else if counts[first] == 0 {
+            stack.extend([first as u32, first as u32 + 1]);
+            continue;
+        } else {
+            counts[index as usize] = counts[first] + counts[first + 1];
+        }
+        stack.pop();
+    }
+    counts
+}
