@@ -23,6 +23,14 @@ pub enum Error {
         /// The length it has.
         actual: usize,
     },
+    /// A direction has no direction: a component is NaN or infinite, or all are zero.
+    #[error("direction {index} is ({}, {}, {}); it must be finite and not zero", .direction[0], .direction[1], .direction[2])]
+    Direction {
+        /// Which of the batch.
+        index: usize,
+        /// Its components.
+        direction: [f64; 3],
+    },
     /// A value is outside the range in which the function is defined.
     #[error("{what} is {value}; {range}")]
     Range {

@@ -4,10 +4,13 @@
 //! `i = l(l+1) + m`. Arrays are row-major `[item, coeff]`. No I/O, no threads, builds for wasm32.
 
 pub mod bands;
+pub mod basis;
 pub mod error;
+pub mod eval;
 pub mod legendre;
 pub mod quadrature;
 pub mod real;
+mod recurrence;
 mod simd;
 
 pub use bands::Bands;

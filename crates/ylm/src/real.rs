@@ -3,11 +3,13 @@
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
+use crate::recurrence::Tabulated;
 use crate::simd::SimdReal;
 
 /// A floating-point number: `f32` or `f64`, and nothing else.
 pub trait Real:
     SimdReal
+    + Tabulated
     + Debug
     + Default
     + PartialOrd
@@ -36,6 +38,10 @@ pub trait Real:
     fn to_f64(self) -> f64;
     /// `self · factor + addend`, rounded once or twice as the machine has it.
     fn mul_add(self, factor: Self, addend: Self) -> Self;
+    /// The square root, correctly rounded.
+    fn sqrt(self) -> Self;
+    /// The absolute value.
+    fn abs(self) -> Self;
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
 }
@@ -63,6 +69,14 @@ macro_rules! impl_real {
                 } else {
                     self * factor + addend
                 }
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                <$float>::sqrt(self)
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                <$float>::abs(self)
             }
             #[inline(always)]
             fn is_finite(self) -> bool {

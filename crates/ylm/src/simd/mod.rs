@@ -21,6 +21,12 @@ use std::ops::{Add, Mul, Sub};
 
 use crate::Real;
 
+/// The most numbers that any vector has; every vector's count divides it.
+pub const MAX_COUNT: usize = 16;
+
+/// One number as a vector, for code that is written over [`Lanes`] and called on one item.
+pub type Single<T> = portable::Array<T, 1>;
+
 /// A vector of [`Lanes::COUNT`] numbers.
 pub trait Lanes<T>: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
     /// Numbers in the vector.
@@ -36,6 +42,23 @@ pub trait Lanes<T>: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output 
     fn mul_add(self, factor: Self, addend: Self) -> Self;
     /// `addend − self · factor`.
     fn neg_mul_add(self, factor: Self, addend: Self) -> Self;
+
+    /// Writes lane i of row r to `to[i · stride + r]`; panics if `to` ends before the last of them.
+    #[inline(always)]
+    fn store_transposed(rows: [Self; 4], to: &mut [T], stride: usize)
+    where
+        T: Real,
+    {
+        let mut lanes = [[T::ZERO; MAX_COUNT]; 4];
+        for (row, lanes) in rows.into_iter().zip(&mut lanes) {
+            row.store(lanes);
+        }
+        for i in 0..Self::COUNT {
+            for (r, lanes) in lanes.iter().enumerate() {
+                to[i * stride + r] = lanes[i];
+            }
+        }
+    }
 }
 
 /// An algorithm that runs on any vector type.
@@ -178,12 +201,30 @@ mod tests {
         }
     }
 
+    /// Four functions of the lanes of a vector, stored four to a lane with a gap of one.
+    struct Transposed<'a, T>(&'a [T]);
+
+    impl<T: Real> Kernel<T> for Transposed<'_, T> {
+        type Output = Vec<T>;
+        fn run<V: Lanes<T>>(self) -> Self::Output {
+            let a = V::load(self.0);
+            let mut out = vec![T::ZERO; 5 * V::COUNT];
+            V::store_transposed([a, a + a, a * a, a - V::splat(self.0[1])], &mut out, 5);
+            out
+        }
+    }
+
     fn every_level_agrees<T: Real>() {
         // Small integers and halves: every operation is exact, so fused and unfused agree to the bit.
         let numbers = |scale: f64| (0..16).map(|i| T::from_f64((i as f64 - 7.0) * scale)).collect::<Vec<_>>();
         let (a, b, c) = (numbers(1.0), numbers(-0.5), numbers(3.0));
         for level in Level::available() {
             let results = level.run::<T, _>(Operations(&a, &b, &c));
+            let transposed = level.run::<T, _>(Transposed(&a));
+            for (i, rows) in transposed.chunks(5).enumerate() {
+                let expected = [a[i], a[i] + a[i], a[i] * a[i], a[i] - a[1], T::ZERO];
+                assert_eq!(rows, expected, "{} lane {i}", level.name());
+            }
             for lane in 0..level.lane_count::<T>() {
                 let (a, b, c) = (a[lane], b[lane], c[lane]);
                 let expected = [a + b, a - b, a * b, a * b + c, c - a * b, T::from_f64(-6.0)];

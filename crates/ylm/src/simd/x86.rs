@@ -23,7 +23,8 @@ pub unsafe fn run_avx512<T: Real, K: Kernel<T>>(kernel: K) -> K::Output {
 macro_rules! vector {
     (
         $(#[$doc:meta])* $name:ident: $raw:ident of $count:literal $float:ident,
-        $add:ident, $sub:ident, $mul:ident, $fmadd:ident, $fnmadd:ident, $splat:ident, $load:ident, $store:ident
+        $add:ident, $sub:ident, $mul:ident, $fmadd:ident, $fnmadd:ident, $splat:ident, $load:ident, $store:ident,
+        $store_transposed:ident
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy)]
@@ -85,6 +86,12 @@ macro_rules! vector {
                 // SAFETY: above.
                 Self(unsafe { $fnmadd(self.0, factor.0, addend.0) })
             }
+            #[inline(always)]
+            fn store_transposed(rows: [Self; 4], to: &mut [$float], stride: usize) {
+                let to = &mut to[..($count - 1) * stride + 4];
+                // SAFETY: above, and the last four numbers written are the last four of `to`.
+                unsafe { $store_transposed(rows.map(|row| row.0), to.as_mut_ptr(), stride) }
+            }
         }
     };
 }
@@ -93,23 +100,96 @@ vector!(
     /// 8 × f32.
     F32x8: __m256 of 8 f32,
     _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps, _mm256_fmadd_ps, _mm256_fnmadd_ps, _mm256_set1_ps,
-    _mm256_loadu_ps, _mm256_storeu_ps
+    _mm256_loadu_ps, _mm256_storeu_ps, transpose_f32x8
 );
 vector!(
     /// 4 × f64.
     F64x4: __m256d of 4 f64,
     _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_fmadd_pd, _mm256_fnmadd_pd, _mm256_set1_pd,
-    _mm256_loadu_pd, _mm256_storeu_pd
+    _mm256_loadu_pd, _mm256_storeu_pd, transpose_f64x4
 );
 vector!(
     /// 16 × f32.
     F32x16: __m512 of 16 f32,
     _mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps, _mm512_fmadd_ps, _mm512_fnmadd_ps, _mm512_set1_ps,
-    _mm512_loadu_ps, _mm512_storeu_ps
+    _mm512_loadu_ps, _mm512_storeu_ps, transpose_f32x16
 );
 vector!(
     /// 8 × f64.
     F64x8: __m512d of 8 f64,
     _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_fmadd_pd, _mm512_fnmadd_pd, _mm512_set1_pd,
-    _mm512_loadu_pd, _mm512_storeu_pd
+    _mm512_loadu_pd, _mm512_storeu_pd, transpose_f64x8
 );
+
+// The four transpositions: within each 128-bit quarter by unpacking, then quarter by quarter to memory.
+//
+// # Safety
+// The machine has the instruction set, and `to` may be written from 0 to (lanes − 1) · stride + 4.
+
+#[inline(always)]
+unsafe fn transpose_f32x8([a, b, c, d]: [__m256; 4], to: *mut f32, stride: usize) {
+    // SAFETY: the caller's.
+    unsafe {
+        let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
+        let (ab_high, cd_high) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
+        let (ab, cd) = (_mm256_castps_pd(ab), _mm256_castps_pd(cd));
+        let (ab_high, cd_high) = (_mm256_castps_pd(ab_high), _mm256_castps_pd(cd_high));
+        let lanes = [
+            _mm256_unpacklo_pd(ab, cd),
+            _mm256_unpackhi_pd(ab, cd),
+            _mm256_unpacklo_pd(ab_high, cd_high),
+            _mm256_unpackhi_pd(ab_high, cd_high),
+        ];
+        for (i, lane) in lanes.into_iter().enumerate() {
+            let lane = _mm256_castpd_ps(lane);
+            _mm_storeu_ps(to.add(i * stride), _mm256_castps256_ps128(lane));
+            _mm_storeu_ps(to.add((4 + i) * stride), _mm256_extractf128_ps::<1>(lane));
+        }
+    }
+}
+
+#[inline(always)]
+unsafe fn transpose_f32x16([a, b, c, d]: [__m512; 4], to: *mut f32, stride: usize) {
+    // SAFETY: the caller's.
+    unsafe {
+        let (ab, cd) = (_mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d));
+        let (ab_high, cd_high) = (_mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d));
+        let (ab, cd) = (_mm512_castps_pd(ab), _mm512_castps_pd(cd));
+        let (ab_high, cd_high) = (_mm512_castps_pd(ab_high), _mm512_castps_pd(cd_high));
+        let lanes = [
+            _mm512_unpacklo_pd(ab, cd),
+            _mm512_unpackhi_pd(ab, cd),
+            _mm512_unpacklo_pd(ab_high, cd_high),
+            _mm512_unpackhi_pd(ab_high, cd_high),
+        ];
+        for (i, lane) in lanes.into_iter().enumerate() {
+            let lane = _mm512_castpd_ps(lane);
+            _mm_storeu_ps(to.add(i * stride), _mm512_castps512_ps128(lane));
+            _mm_storeu_ps(to.add((4 + i) * stride), _mm512_extractf32x4_ps::<1>(lane));
+            _mm_storeu_ps(to.add((8 + i) * stride), _mm512_extractf32x4_ps::<2>(lane));
+            _mm_storeu_ps(to.add((12 + i) * stride), _mm512_extractf32x4_ps::<3>(lane));
+        }
+    }
+}
+
+#[inline(always)]
+unsafe fn transpose_f64x4([a, b, c, d]: [__m256d; 4], to: *mut f64, stride: usize) {
+    // SAFETY: the caller's.
+    unsafe {
+        let (ab, cd) = (_mm256_unpacklo_pd(a, b), _mm256_unpacklo_pd(c, d));
+        let (ab_high, cd_high) = (_mm256_unpackhi_pd(a, b), _mm256_unpackhi_pd(c, d));
+        _mm256_storeu_pd(to, _mm256_permute2f128_pd::<0x20>(ab, cd));
+        _mm256_storeu_pd(to.add(stride), _mm256_permute2f128_pd::<0x20>(ab_high, cd_high));
+        _mm256_storeu_pd(to.add(2 * stride), _mm256_permute2f128_pd::<0x31>(ab, cd));
+        _mm256_storeu_pd(to.add(3 * stride), _mm256_permute2f128_pd::<0x31>(ab_high, cd_high));
+    }
+}
+
+#[inline(always)]
+unsafe fn transpose_f64x8(rows: [__m512d; 4], to: *mut f64, stride: usize) {
+    // SAFETY: the caller's, once for either half of the lanes.
+    unsafe {
+        transpose_f64x4(rows.map(|row| _mm512_castpd512_pd256(row)), to, stride);
+        transpose_f64x4(rows.map(|row| _mm512_extractf64x4_pd::<1>(row)), to.add(4 * stride), stride);
+    }
+}
