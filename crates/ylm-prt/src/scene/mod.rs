@@ -3,8 +3,13 @@
 pub mod bvh;
 pub mod camera;
 pub mod mesh;
+pub mod normals;
+pub mod ply;
 pub mod points;
+pub mod read;
+mod triangulate;
 
 pub use bvh::{Bvh, Hit, Ray};
 pub use mesh::{Mesh, Normals};
 pub use points::LightingPoints;
+pub use read::{MeshFault, NonFinite, ReadOptions, UpAxis};
