@@ -2,6 +2,7 @@
 
 use crate::bands::Bands;
 use crate::error::{Result, check_length};
+use crate::planes::scatter;
 use crate::real::Real;
 use crate::recurrence::{CHUNK, Points, Table, Visitor, runs_natively, visit};
 use crate::simd::{Kernel, Lanes, Level, Single};
@@ -28,13 +29,24 @@ pub fn basis<T: Real>(directions: &[[T; 3]], bands: Bands, out: &mut [T]) -> Res
 /// # Errors
 /// As [`basis`].
 pub fn basis_with<T: Real>(level: Level, directions: &[[T; 3]], bands: Bands, out: &mut [T]) -> Result<()> {
+    scaled_basis(level, directions, bands, None, out)
+}
+
+/// The basis with each harmonic times its factor, which a zonal function turned to the directions is.
+pub(crate) fn scaled_basis<T: Real>(
+    level: Level,
+    directions: &[[T; 3]],
+    bands: Bands,
+    factors: Option<&[T]>,
+    out: &mut [T],
+) -> Result<()> {
     let width = bands.coeff_count();
     check_length("out", out.len(), directions.len() * width)?;
     let mut planes = vec![T::ZERO; width * CHUNK];
     let blocks = directions.chunks(CHUNK).zip(out.chunks_mut(CHUNK * width)).enumerate();
     for (block, (directions, out)) in blocks {
         fill_planes(level, directions, block * CHUNK, bands, &mut planes)?;
-        level.run::<T, _>(Transpose { planes: &planes, width, out });
+        level.run::<T, _>(Scatter { planes: &mut planes, factors, width, out });
     }
     Ok(())
 }
@@ -134,34 +146,26 @@ impl<T: Real, C: Real, V: Lanes<C>> Visitor<C, V> for Planes<'_, T, V> {
     }
 }
 
-/// [coeff, CHUNK] → [direction, coeff].
-struct Transpose<'a, T> {
-    planes: &'a [T],
+/// [coeff, CHUNK] → [direction, coeff], each coefficient times its factor if there are factors.
+struct Scatter<'a, T> {
+    planes: &'a mut [T],
+    factors: Option<&'a [T]>,
     width: usize,
     out: &'a mut [T],
 }
 
-impl<T: Real> Kernel<T> for Transpose<'_, T> {
+impl<T: Real> Kernel<T> for Scatter<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Lanes<T>>(self) {
-        let (planes, width) = (self.planes, self.width);
-        let count = self.out.len() / width;
-        let mut coeff = 0;
-        if count == CHUNK {
-            while coeff + 4 <= width {
-                for lane in (0..CHUNK).step_by(V::COUNT) {
-                    let rows = [0, 1, 2, 3].map(|r| V::load(&planes[(coeff + r) * CHUNK + lane..]));
-                    V::store_transposed(rows, &mut self.out[lane * width + coeff..], width);
+        if let Some(factors) = self.factors {
+            for (plane, &factor) in self.planes.chunks_exact_mut(CHUNK).zip(factors) {
+                for value in plane {
+                    *value *= factor;
                 }
-                coeff += 4;
             }
         }
-        for coeff in coeff..width {
-            for direction in 0..count {
-                self.out[direction * width + coeff] = planes[coeff * CHUNK + direction];
-            }
-        }
+        scatter::<T, V>(self.planes, self.width, self.out);
     }
 }

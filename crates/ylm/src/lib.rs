@@ -8,10 +8,12 @@ pub mod basis;
 pub mod error;
 pub mod eval;
 pub mod legendre;
+mod planes;
 pub mod quadrature;
 pub mod real;
 mod recurrence;
 mod simd;
+pub mod zonal;
 
 pub use bands::Bands;
 pub use error::{Error, Result};

@@ -59,6 +59,21 @@ pub trait Lanes<T>: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output 
             }
         }
     }
+
+    /// Row r has `from[i · stride + r]` in lane i; panics if `from` ends before the last of them.
+    #[inline(always)]
+    fn load_transposed(from: &[T], stride: usize) -> [Self; 4]
+    where
+        T: Real,
+    {
+        let mut lanes = [[T::ZERO; MAX_COUNT]; 4];
+        for i in 0..Self::COUNT {
+            for (r, lanes) in lanes.iter_mut().enumerate() {
+                lanes[i] = from[i * stride + r];
+            }
+        }
+        lanes.map(|lanes| Self::load(&lanes))
+    }
 }
 
 /// An algorithm that runs on any vector type.
@@ -210,6 +225,13 @@ mod tests {
             let a = V::load(self.0);
             let mut out = vec![T::ZERO; 5 * V::COUNT];
             V::store_transposed([a, a + a, a * a, a - V::splat(self.0[1])], &mut out, 5);
+            let rows = V::load_transposed(&out, 5);
+            let mut back = vec![T::ZERO; 5 * V::COUNT];
+            V::store_transposed(rows, &mut back, 5);
+            assert_eq!(out, back);
+            let mut first = vec![T::ZERO; V::COUNT];
+            rows[0].store(&mut first);
+            assert_eq!(first, self.0[..V::COUNT]);
             out
         }
     }

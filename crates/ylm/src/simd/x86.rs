@@ -24,7 +24,7 @@ macro_rules! vector {
     (
         $(#[$doc:meta])* $name:ident: $raw:ident of $count:literal $float:ident,
         $add:ident, $sub:ident, $mul:ident, $fmadd:ident, $fnmadd:ident, $splat:ident, $load:ident, $store:ident,
-        $store_transposed:ident
+        $store_transposed:ident, $load_transposed:ident
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy)]
@@ -92,6 +92,12 @@ macro_rules! vector {
                 // SAFETY: above, and the last four numbers written are the last four of `to`.
                 unsafe { $store_transposed(rows.map(|row| row.0), to.as_mut_ptr(), stride) }
             }
+            #[inline(always)]
+            fn load_transposed(from: &[$float], stride: usize) -> [Self; 4] {
+                let from = &from[..($count - 1) * stride + 4];
+                // SAFETY: above, and the last four numbers read are the last four of `from`.
+                unsafe { $load_transposed(from.as_ptr(), stride) }.map(Self)
+            }
         }
     };
 }
@@ -100,48 +106,54 @@ vector!(
     /// 8 × f32.
     F32x8: __m256 of 8 f32,
     _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps, _mm256_fmadd_ps, _mm256_fnmadd_ps, _mm256_set1_ps,
-    _mm256_loadu_ps, _mm256_storeu_ps, transpose_f32x8
+    _mm256_loadu_ps, _mm256_storeu_ps, store_f32x8, load_f32x8
 );
 vector!(
     /// 4 × f64.
     F64x4: __m256d of 4 f64,
     _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_fmadd_pd, _mm256_fnmadd_pd, _mm256_set1_pd,
-    _mm256_loadu_pd, _mm256_storeu_pd, transpose_f64x4
+    _mm256_loadu_pd, _mm256_storeu_pd, store_f64x4, load_f64x4
 );
 vector!(
     /// 16 × f32.
     F32x16: __m512 of 16 f32,
     _mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps, _mm512_fmadd_ps, _mm512_fnmadd_ps, _mm512_set1_ps,
-    _mm512_loadu_ps, _mm512_storeu_ps, transpose_f32x16
+    _mm512_loadu_ps, _mm512_storeu_ps, store_f32x16, load_f32x16
 );
 vector!(
     /// 8 × f64.
     F64x8: __m512d of 8 f64,
     _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_fmadd_pd, _mm512_fnmadd_pd, _mm512_set1_pd,
-    _mm512_loadu_pd, _mm512_storeu_pd, transpose_f64x8
+    _mm512_loadu_pd, _mm512_storeu_pd, store_f64x8, load_f64x8
 );
 
-// The four transpositions: within each 128-bit quarter by unpacking, then quarter by quarter to memory.
+// Transposition: 4 × 4 within each 128-bit quarter by unpacking, the quarters to and from memory one by one.
 //
 // # Safety
-// The machine has the instruction set, and `to` may be written from 0 to (lanes − 1) · stride + 4.
+// The machine has the instruction set, and memory may be accessed from 0 to (lanes − 1) · stride + 4.
 
 #[inline(always)]
-unsafe fn transpose_f32x8([a, b, c, d]: [__m256; 4], to: *mut f32, stride: usize) {
+unsafe fn transpose_f32x8([a, b, c, d]: [__m256; 4]) -> [__m256; 4] {
     // SAFETY: the caller's.
     unsafe {
         let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
         let (ab_high, cd_high) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
         let (ab, cd) = (_mm256_castps_pd(ab), _mm256_castps_pd(cd));
         let (ab_high, cd_high) = (_mm256_castps_pd(ab_high), _mm256_castps_pd(cd_high));
-        let lanes = [
-            _mm256_unpacklo_pd(ab, cd),
-            _mm256_unpackhi_pd(ab, cd),
-            _mm256_unpacklo_pd(ab_high, cd_high),
-            _mm256_unpackhi_pd(ab_high, cd_high),
-        ];
-        for (i, lane) in lanes.into_iter().enumerate() {
-            let lane = _mm256_castpd_ps(lane);
+        [
+            _mm256_castpd_ps(_mm256_unpacklo_pd(ab, cd)),
+            _mm256_castpd_ps(_mm256_unpackhi_pd(ab, cd)),
+            _mm256_castpd_ps(_mm256_unpacklo_pd(ab_high, cd_high)),
+            _mm256_castpd_ps(_mm256_unpackhi_pd(ab_high, cd_high)),
+        ]
+    }
+}
+
+#[inline(always)]
+unsafe fn store_f32x8(rows: [__m256; 4], to: *mut f32, stride: usize) {
+    // SAFETY: the caller's.
+    unsafe {
+        for (i, lane) in transpose_f32x8(rows).into_iter().enumerate() {
             _mm_storeu_ps(to.add(i * stride), _mm256_castps256_ps128(lane));
             _mm_storeu_ps(to.add((4 + i) * stride), _mm256_extractf128_ps::<1>(lane));
         }
@@ -149,21 +161,38 @@ unsafe fn transpose_f32x8([a, b, c, d]: [__m256; 4], to: *mut f32, stride: usize
 }
 
 #[inline(always)]
-unsafe fn transpose_f32x16([a, b, c, d]: [__m512; 4], to: *mut f32, stride: usize) {
+unsafe fn load_f32x8(from: *const f32, stride: usize) -> [__m256; 4] {
+    // SAFETY: the caller's.
+    unsafe {
+        transpose_f32x8([0, 1, 2, 3].map(|i| {
+            let low = _mm256_castps128_ps256(_mm_loadu_ps(from.add(i * stride)));
+            _mm256_insertf128_ps::<1>(low, _mm_loadu_ps(from.add((4 + i) * stride)))
+        }))
+    }
+}
+
+#[inline(always)]
+unsafe fn transpose_f32x16([a, b, c, d]: [__m512; 4]) -> [__m512; 4] {
     // SAFETY: the caller's.
     unsafe {
         let (ab, cd) = (_mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d));
         let (ab_high, cd_high) = (_mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d));
         let (ab, cd) = (_mm512_castps_pd(ab), _mm512_castps_pd(cd));
         let (ab_high, cd_high) = (_mm512_castps_pd(ab_high), _mm512_castps_pd(cd_high));
-        let lanes = [
-            _mm512_unpacklo_pd(ab, cd),
-            _mm512_unpackhi_pd(ab, cd),
-            _mm512_unpacklo_pd(ab_high, cd_high),
-            _mm512_unpackhi_pd(ab_high, cd_high),
-        ];
-        for (i, lane) in lanes.into_iter().enumerate() {
-            let lane = _mm512_castpd_ps(lane);
+        [
+            _mm512_castpd_ps(_mm512_unpacklo_pd(ab, cd)),
+            _mm512_castpd_ps(_mm512_unpackhi_pd(ab, cd)),
+            _mm512_castpd_ps(_mm512_unpacklo_pd(ab_high, cd_high)),
+            _mm512_castpd_ps(_mm512_unpackhi_pd(ab_high, cd_high)),
+        ]
+    }
+}
+
+#[inline(always)]
+unsafe fn store_f32x16(rows: [__m512; 4], to: *mut f32, stride: usize) {
+    // SAFETY: the caller's.
+    unsafe {
+        for (i, lane) in transpose_f32x16(rows).into_iter().enumerate() {
             _mm_storeu_ps(to.add(i * stride), _mm512_castps512_ps128(lane));
             _mm_storeu_ps(to.add((4 + i) * stride), _mm512_extractf32x4_ps::<1>(lane));
             _mm_storeu_ps(to.add((8 + i) * stride), _mm512_extractf32x4_ps::<2>(lane));
@@ -173,23 +202,62 @@ unsafe fn transpose_f32x16([a, b, c, d]: [__m512; 4], to: *mut f32, stride: usiz
 }
 
 #[inline(always)]
-unsafe fn transpose_f64x4([a, b, c, d]: [__m256d; 4], to: *mut f64, stride: usize) {
+unsafe fn load_f32x16(from: *const f32, stride: usize) -> [__m512; 4] {
     // SAFETY: the caller's.
     unsafe {
-        let (ab, cd) = (_mm256_unpacklo_pd(a, b), _mm256_unpacklo_pd(c, d));
-        let (ab_high, cd_high) = (_mm256_unpackhi_pd(a, b), _mm256_unpackhi_pd(c, d));
-        _mm256_storeu_pd(to, _mm256_permute2f128_pd::<0x20>(ab, cd));
-        _mm256_storeu_pd(to.add(stride), _mm256_permute2f128_pd::<0x20>(ab_high, cd_high));
-        _mm256_storeu_pd(to.add(2 * stride), _mm256_permute2f128_pd::<0x31>(ab, cd));
-        _mm256_storeu_pd(to.add(3 * stride), _mm256_permute2f128_pd::<0x31>(ab_high, cd_high));
+        transpose_f32x16([0, 1, 2, 3].map(|i| {
+            let quarter = |j: usize| _mm_loadu_ps(from.add((4 * j + i) * stride));
+            let low = _mm512_insertf32x4::<1>(_mm512_castps128_ps512(quarter(0)), quarter(1));
+            _mm512_insertf32x4::<3>(_mm512_insertf32x4::<2>(low, quarter(2)), quarter(3))
+        }))
     }
 }
 
 #[inline(always)]
-unsafe fn transpose_f64x8(rows: [__m512d; 4], to: *mut f64, stride: usize) {
+unsafe fn transpose_f64x4([a, b, c, d]: [__m256d; 4]) -> [__m256d; 4] {
+    // SAFETY: the caller's.
+    unsafe {
+        let (ab, cd) = (_mm256_unpacklo_pd(a, b), _mm256_unpacklo_pd(c, d));
+        let (ab_high, cd_high) = (_mm256_unpackhi_pd(a, b), _mm256_unpackhi_pd(c, d));
+        [
+            _mm256_permute2f128_pd::<0x20>(ab, cd),
+            _mm256_permute2f128_pd::<0x20>(ab_high, cd_high),
+            _mm256_permute2f128_pd::<0x31>(ab, cd),
+            _mm256_permute2f128_pd::<0x31>(ab_high, cd_high),
+        ]
+    }
+}
+
+#[inline(always)]
+unsafe fn store_f64x4(rows: [__m256d; 4], to: *mut f64, stride: usize) {
+    // SAFETY: the caller's.
+    unsafe {
+        for (i, lane) in transpose_f64x4(rows).into_iter().enumerate() {
+            _mm256_storeu_pd(to.add(i * stride), lane);
+        }
+    }
+}
+
+#[inline(always)]
+unsafe fn load_f64x4(from: *const f64, stride: usize) -> [__m256d; 4] {
+    // SAFETY: the caller's.
+    unsafe { transpose_f64x4([0, 1, 2, 3].map(|i| _mm256_loadu_pd(from.add(i * stride)))) }
+}
+
+#[inline(always)]
+unsafe fn store_f64x8(rows: [__m512d; 4], to: *mut f64, stride: usize) {
     // SAFETY: the caller's, once for either half of the lanes.
     unsafe {
-        transpose_f64x4(rows.map(|row| _mm512_castpd512_pd256(row)), to, stride);
-        transpose_f64x4(rows.map(|row| _mm512_extractf64x4_pd::<1>(row)), to.add(4 * stride), stride);
+        store_f64x4(rows.map(|row| _mm512_castpd512_pd256(row)), to, stride);
+        store_f64x4(rows.map(|row| _mm512_extractf64x4_pd::<1>(row)), to.add(4 * stride), stride);
+    }
+}
+
+#[inline(always)]
+unsafe fn load_f64x8(from: *const f64, stride: usize) -> [__m512d; 4] {
+    // SAFETY: the caller's, once for either half of the lanes.
+    unsafe {
+        let (low, high) = (load_f64x4(from, stride), load_f64x4(from.add(4 * stride), stride));
+        [0, 1, 2, 3].map(|r| _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low[r]), high[r]))
     }
 }

@@ -1,0 +1,193 @@
+//! Zonal functions against published values, quadrature, and the identities of convolution.
+
+use std::f64::consts::PI;
+
+use proptest::prelude::*;
+use serde_json::Value;
+use ylm::eval::eval;
+use ylm::quadrature::gauss_legendre;
+use ylm::zonal::Zonal;
+use ylm::{Bands, Error, Level, legendre};
+
+#[path = "../../../testdata/data.rs"]
+mod data;
+
+fn read(name: &str) -> Option<Value> {
+    let path = data::data(&format!("reference/{name}"))?;
+    Some(serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap())
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+/// 2π ∫_low^1 f(x) P̄_l0(x) dx by quadrature.
+fn by_quadrature(bands: usize, low: f64, f: impl Fn(f64) -> f64) -> Vec<f64> {
+    let (nodes, weights) = gauss_legendre(400);
+    let mut coeffs = vec![0.0; bands];
+    let mut row = vec![0.0; bands];
+    for (node, weight) in nodes.into_iter().zip(weights) {
+        let x = low + (1.0 - low) * (node + 1.0) / 2.0;
+        legendre::row(0, bands, x, (1.0 - x * x).sqrt(), &mut row);
+        for (coeff, p) in coeffs.iter_mut().zip(&row) {
+            *coeff += 2.0 * PI * weight * (1.0 - low) / 2.0 * f(x) * p;
+        }
+    }
+    coeffs
+}
+
+fn assert_close(ours: &[f64], expected: &[f64], tolerance: f64) {
+    assert_eq!(ours.len(), expected.len());
+    for (l, (a, b)) in ours.iter().zip(expected).enumerate() {
+        assert!((a - b).abs() <= tolerance, "l {l}: {a} against {b}");
+    }
+}
+
+#[test]
+fn the_clamped_cosine_has_the_published_coefficients() {
+    let Some(file) = read("clamped_cosine_zh.json") else { return };
+    let zonal = Zonal::<f64>::clamped_cosine(Bands::new(21).unwrap());
+    let values = file["values"].as_array().unwrap();
+    assert_eq!(values.len(), 21);
+    for (l, value) in values.iter().enumerate() {
+        assert!((zonal.coeffs()[l] - value["zh_coefficient"].as_f64().unwrap()).abs() <= 1e-15);
+        assert!((zonal.band_factor(l) - value["A_l"].as_f64().unwrap()).abs() <= 1e-15);
+    }
+}
+
+#[test]
+fn the_clamped_cosine_is_its_integral_up_to_256_bands() {
+    let bands = Bands::new(256).unwrap();
+    let expected = by_quadrature(256, 0.0, |x| x);
+    assert_close(Zonal::<f64>::clamped_cosine(bands).coeffs(), &expected, 1e-13);
+    let narrow: Vec<f64> =
+        Zonal::<f32>::clamped_cosine(bands).coeffs().iter().map(|v| f64::from(*v)).collect();
+    assert_close(&narrow, &expected, 1e-7);
+}
+
+#[test]
+fn discs_have_the_published_coefficients() {
+    let Some(file) = read("cap_disc_light_zh.json") else { return };
+    for item in file["values"].as_array().unwrap() {
+        let expected = numbers(&item["zh"]);
+        let angle = item["half_angle_deg"].as_f64().unwrap().to_radians();
+        let zonal = Zonal::<f64>::disc(angle, Bands::new(expected.len()).unwrap()).unwrap();
+        // Their formula subtracts P_{l+1} from P_{l−1}.
+        assert_close(zonal.coeffs(), &expected, 1e-14);
+    }
+}
+
+#[test]
+fn discs_are_their_integrals_at_any_angle_up_to_256_bands() {
+    let bands = Bands::new(256).unwrap();
+    for angle in [0.0, 1e-6, 0.004651, 0.1, 1.0, 2.0, 3.1, PI] {
+        let expected = by_quadrature(256, f64::cos(angle), |_| 1.0);
+        let zonal = Zonal::<f64>::disc(angle, bands).unwrap();
+        // The quadrature's own rounding: 400 terms of size up to P̄_255 · 4π ≈ 80, times 1e-16.
+        assert_close(zonal.coeffs(), &expected, 1e-12);
+    }
+    // Small discs are their area times the directional light, relative to a² l².
+    let zonal = Zonal::<f64>::disc(1e-8, Bands::new(32).unwrap()).unwrap();
+    let point = Zonal::<f64>::directional(Bands::new(32).unwrap());
+    for (a, b) in zonal.coeffs().iter().zip(point.coeffs()) {
+        assert!((a / (PI * 1e-16 * b) - 1.0).abs() <= 1e-13);
+    }
+}
+
+#[test]
+fn phong_lobes_are_their_integrals() {
+    for shininess in [0.0, 1.0, 2.0, 7.5, 10.0, 100.0] {
+        let bands = Bands::new(40).unwrap();
+        // x^7.5 is not smooth at 0; the rule's error there is 1e-10.
+        let expected = by_quadrature(40, 0.0, |x| x.powf(shininess));
+        assert_close(Zonal::<f64>::phong(shininess, bands).unwrap().coeffs(), &expected, 1e-10);
+    }
+    let cosine = Zonal::<f64>::clamped_cosine(Bands::new(30).unwrap());
+    let phong = Zonal::<f64>::phong(1.0, Bands::new(30).unwrap()).unwrap();
+    assert_close(phong.coeffs(), cosine.coeffs(), 1e-15);
+}
+
+#[test]
+fn sphere_lights_are_those_of_directxmath() {
+    let Some(file) = read("directxmath_sh.json") else { return };
+    let disc = Zonal::<f32>::disc((1.0f64 / 3.0).asin(), Bands::new(6).unwrap()).unwrap();
+    for i in 0..4 {
+        let direction = [0, 1, 2].map(|axis| file["directions"][i][axis].as_f64().unwrap() as f32);
+        let theirs =
+            numbers(&file["values"][format!("EvalSphericalLight order=6 pos=3*dir{i} radius=1 color=1")]);
+        let mut out = [0.0f32; 36];
+        disc.rotate(direction, &mut out).unwrap();
+        let ours: Vec<f64> = out.iter().map(|v| f64::from(*v)).collect();
+        // Theirs is in single precision and subtracts almost equal numbers.
+        assert_close(&ours, &theirs, 1e-6);
+    }
+}
+
+#[test]
+fn values_out_of_range_are_errors() {
+    let bands = Bands::new(3).unwrap();
+    let error = Zonal::<f64>::disc(4.0, bands).unwrap_err().to_string();
+    assert_eq!(error, "the half angle of a disc is 4; it must be between 0 and π radians");
+    assert!(Zonal::<f64>::disc(f64::NAN, bands).is_err() && Zonal::<f64>::disc(-0.1, bands).is_err());
+    assert!(Zonal::<f64>::phong(f64::INFINITY, bands).is_err() && Zonal::<f64>::phong(-1.0, bands).is_err());
+    assert!(Zonal::<f64>::new(vec![]).is_err() && Zonal::new(vec![0.0; 257]).is_err());
+    let cosine = Zonal::<f64>::clamped_cosine(bands);
+    assert!(matches!(cosine.convolve(&mut [0.0; 10]), Err(Error::Length { .. })));
+    assert!(cosine.rotate([0.0; 3], &mut [0.0; 9]).is_err());
+    assert!(cosine.rotate([0.0, 0.0, 1.0], &mut [0.0; 4]).is_err());
+}
+
+#[test]
+fn every_batch_size_on_every_level_rotates_as_one_at_a_time() {
+    for count in [0, 1, 15, 16, 17, 1000] {
+        for n in [1, 3, 5, 6, 14] {
+            let zonal = Zonal::<f32>::phong(9.0, Bands::new(n).unwrap()).unwrap();
+            let directions: Vec<[f32; 3]> = (0..count)
+                .map(|i| [(i as f32).sin(), (1.7 * i as f32).cos(), (0.3 * i as f32).sin()])
+                .collect();
+            let mut out = vec![0.0; count * n * n];
+            let mut single = vec![0.0; n * n];
+            for level in Level::available() {
+                zonal.rotate_batch_with(level, &directions, &mut out).unwrap();
+                for (direction, row) in directions.iter().zip(out.chunks(n * n)) {
+                    zonal.rotate(*direction, &mut single).unwrap();
+                    for (a, b) in row.iter().zip(&single) {
+                        assert!((a - b).abs() <= 2e-6, "{}", level.name());
+                    }
+                }
+            }
+        }
+    }
+}
+
+proptest! {
+    /// (f ∗ k) of a directional light f is the kernel around it.
+    #[test]
+    fn convolution_of_a_directional_light_is_the_kernel(
+        direction in prop::array::uniform3(0.1f64..1.0), n in 1usize..20, shininess in 0f64..50.0,
+    ) {
+        let bands = Bands::new(n).unwrap();
+        let kernel = Zonal::phong(shininess, bands).unwrap();
+        let (mut light, mut expected) = (vec![0.0; n * n], vec![0.0; n * n]);
+        Zonal::directional(bands).rotate(direction, &mut light).unwrap();
+        kernel.convolve(&mut light).unwrap();
+        kernel.rotate(direction, &mut expected).unwrap();
+        assert_close(&light, &expected, 1e-14);
+    }
+
+    /// Irradiance at n is the product integral of the light with the cosine around n.
+    #[test]
+    fn convolution_evaluates_to_the_product_integral(
+        direction in prop::array::uniform3(0.1f64..1.0), n in 1usize..20,
+    ) {
+        let bands = Bands::new(n).unwrap();
+        let cosine = Zonal::clamped_cosine(bands);
+        let light: Vec<f64> = (0..n * n).map(|i| (i as f64).cos()).collect();
+        let mut turned = vec![0.0; n * n];
+        cosine.rotate(direction, &mut turned).unwrap();
+        let mut irradiance = light.clone();
+        cosine.convolve(&mut irradiance).unwrap();
+        let dot = ylm::eval::dot(&light, &turned).unwrap();
+        prop_assert!((eval(&irradiance, direction).unwrap() - dot).abs() <= 1e-13 * (n * n) as f64);
+    }
+}
