@@ -9,13 +9,16 @@ pub mod error;
 pub mod eval;
 pub mod legendre;
 mod planes;
+pub mod product;
 pub mod quadrature;
 pub mod real;
 mod recurrence;
 mod simd;
+mod workspace;
 pub mod zonal;
 
 pub use bands::Bands;
 pub use error::{Error, Result};
 pub use real::Real;
 pub use simd::Level;
+pub use workspace::Workspace;

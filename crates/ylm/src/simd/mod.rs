@@ -28,7 +28,13 @@ pub const MAX_COUNT: usize = 16;
 pub type Single<T> = portable::Array<T, 1>;
 
 /// A vector of [`Lanes::COUNT`] numbers.
-pub trait Lanes<T>: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+///
+/// # Safety
+/// An implementor is `COUNT` numbers and nothing else, at most 64 bytes, aligned to at most 64: [`crate::Workspace`]
+/// makes vectors of plain memory.
+pub unsafe trait Lanes<T>:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+{
     /// Numbers in the vector.
     const COUNT: usize;
 

@@ -39,7 +39,8 @@ macro_rules! vector {
                 Self(unsafe { $mul(self.0, other.0) })
             }
         }
-        impl Lanes<$float> for $name {
+        // SAFETY: a register of that many numbers.
+        unsafe impl Lanes<$float> for $name {
             const COUNT: usize = $count;
 
             #[inline(always)]

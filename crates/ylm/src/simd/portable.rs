@@ -24,7 +24,8 @@ operator!(Add, add, +);
 operator!(Sub, sub, -);
 operator!(Mul, mul, *);
 
-impl<T: Real, const N: usize> Lanes<T> for Array<T, N> {
+// SAFETY: an array of at most 4 f32 or 2 f64.
+unsafe impl<T: Real, const N: usize> Lanes<T> for Array<T, N> {
     const COUNT: usize = N;
 
     #[inline(always)]

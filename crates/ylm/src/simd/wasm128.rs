@@ -36,7 +36,8 @@ macro_rules! vector {
                 Self($mul(self.0, other.0))
             }
         }
-        impl Lanes<$float> for $name {
+        // SAFETY: a register of that many numbers.
+        unsafe impl Lanes<$float> for $name {
             const COUNT: usize = $count;
 
             #[inline(always)]

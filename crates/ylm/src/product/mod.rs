@@ -1,0 +1,5 @@
+//! Products of SH functions.
+
+pub mod grid;
+#[cfg(test)]
+mod oracle;
