@@ -7,6 +7,7 @@ pub mod bands;
 pub mod basis;
 pub mod error;
 pub mod eval;
+pub mod layout;
 pub mod legendre;
 mod planes;
 pub mod product;
