@@ -14,7 +14,9 @@ pub mod product;
 pub mod quadrature;
 pub mod real;
 mod recurrence;
+pub mod rotate;
 mod simd;
+pub mod window;
 mod workspace;
 pub mod zonal;
 

@@ -27,7 +27,6 @@ pub(crate) fn scatter<T: Real, V: Lanes<T>>(planes: &[T], width: usize, out: &mu
 
 /// Reads up to [`CHUNK`] items of `width` coefficients into planes; lanes beyond the last item are 0.
 #[inline(always)]
-#[allow(dead_code)]
 pub(crate) fn gather<T: Real, V: Lanes<T>>(items: &[T], width: usize, planes: &mut [T]) {
     let count = items.len() / width;
     let mut coeff = 0;
