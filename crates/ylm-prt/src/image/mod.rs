@@ -1,4 +1,4 @@
-//! Pictures of linear radiance: their readers.
+//! Pictures: readers of linear radiance, files that ylm writes, display-ready pictures.
 //!
 //! A reader takes the bytes of a file, never panics, and never allocates more than the file's length justifies: at most
 //! [`MAX_TEXELS_PER_BYTE`] texels a byte (run lengths and ZIP reach that), and never more than [`MAX_TEXELS`].
@@ -8,8 +8,11 @@ pub mod exr;
 pub mod float_raw;
 pub mod hdr;
 pub mod pfm;
+mod picture;
 mod read;
+mod write;
 
+pub use picture::{Picture, PngFault};
 pub use read::{Decoded, Fault, Projection, ReadOptions, Texels, decode};
 
 /// The most texels a picture may have: 16384 × 8192.

@@ -2,6 +2,7 @@
 
 pub mod bvh;
 pub mod camera;
+pub mod demo;
 pub mod mesh;
 pub mod normals;
 pub mod ply;
@@ -10,6 +11,7 @@ pub mod read;
 mod triangulate;
 
 pub use bvh::{Bvh, Hit, Ray};
+pub use camera::{Camera, View};
 pub use mesh::{Mesh, Normals};
 pub use points::LightingPoints;
 pub use read::{MeshFault, NonFinite, ReadOptions, UpAxis};

@@ -1,0 +1,181 @@
+//! How far one picture is from another: numbers, and a picture in false colours.
+
+use glam::Vec3;
+
+use crate::error::{Error, Result};
+use crate::image::{Image, Picture};
+
+/// Distance of values from reference values, over all their channels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Difference {
+    /// Root of the mean squared difference.
+    pub rmse: f64,
+    /// Relative L2 error ‖a − b‖ / ‖b‖, b the reference; infinite if only b is zero.
+    pub relative_error: f64,
+    /// Largest difference of a channel.
+    pub largest: f64,
+    /// The signal of the peak signal-to-noise ratio.
+    pub peak: f64,
+}
+
+impl Difference {
+    /// Compares `values` with `reference`. `peak` is the largest value that can be, as 1 for display values; without
+    /// one, the reference's largest.
+    ///
+    /// # Errors
+    /// If there is nothing to compare, the lengths differ, or a value is not a finite number.
+    pub fn between(values: &[[f32; 3]], reference: &[[f32; 3]], peak: Option<f64>) -> Result<Self> {
+        if values.len() != reference.len() || values.is_empty() {
+            return Err(Error::Request(format!(
+                "{} values cannot be compared with {}: they must be as many, and not none",
+                values.len(),
+                reference.len()
+            )));
+        }
+        let (mut squares, mut reference_squares, mut largest, mut greatest) = (0.0, 0.0, 0.0_f64, 0.0_f64);
+        for (a, b) in values.as_flattened().iter().zip(reference.as_flattened()) {
+            let (a, b) = (*a as f64, *b as f64);
+            squares += (a - b) * (a - b);
+            reference_squares += b * b;
+            largest = largest.max((a - b).abs());
+            greatest = greatest.max(b);
+        }
+        // The largest of the sums: not finite if any value is not.
+        if !(squares + reference_squares).is_finite() {
+            return Err(Error::Request("a value to compare is not a finite number".into()));
+        }
+        let relative_error = if squares == 0.0 { 0.0 } else { (squares / reference_squares).sqrt() };
+        let rmse = (squares / (3 * values.len()) as f64).sqrt();
+        Ok(Self { rmse, relative_error, largest, peak: peak.unwrap_or(greatest) })
+    }
+
+    /// Peak signal-to-noise ratio 20 log₁₀(peak / rmse) in dB; infinite where nothing differs.
+    pub fn psnr(&self) -> f64 {
+        if self.rmse == 0.0 { f64::INFINITY } else { 20.0 * (self.peak / self.rmse).log10() }
+    }
+}
+
+/// Compares pictures of one size; see [`Difference::between`].
+///
+/// # Errors
+/// As there, or if the sizes differ.
+pub fn compare(image: &Image, reference: &Image, peak: Option<f64>) -> Result<Difference> {
+    check_sizes(image, reference)?;
+    Difference::between(&image.pixels, &reference.pixels, peak)
+}
+
+fn check_sizes(image: &Image, reference: &Image) -> Result<()> {
+    if (image.width, image.height) != (reference.width, reference.height) {
+        return Err(Error::Request(format!(
+            "a picture of {} × {} cannot be compared with one of {} × {}",
+            image.width, image.height, reference.width, reference.height
+        )));
+    }
+    Ok(())
+}
+
+/// What the colours of an error picture stand for; black is none, the palest yellow is `full` or more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ErrorScale {
+    /// Length of the RGB difference.
+    Absolute {
+        /// What is shown as the last colour.
+        full: f32,
+    },
+    /// Length of the RGB difference over that of the reference, which counts as no less than a tenth of its mean over
+    /// the picture: without that floor every shadow would be bright with nothing.
+    Relative {
+        /// What is shown as the last colour.
+        full: f32,
+    },
+}
+
+/// The difference of two linear pictures in false colours: matplotlib's inferno, evenly spaced to the eye.
+///
+/// # Errors
+/// If the sizes differ or the full scale is not positive.
+pub fn error_picture(image: &Image, reference: &Image, scale: ErrorScale) -> Result<Picture> {
+    check_sizes(image, reference)?;
+    let lengths = || reference.pixels.iter().map(|&pixel| Vec3::from(pixel).length());
+    let (full, floor) = match scale {
+        ErrorScale::Absolute { full } => (full, None),
+        ErrorScale::Relative { full } => {
+            let mean = lengths().map(f64::from).sum::<f64>() / reference.pixels.len().max(1) as f64;
+            (full, Some((0.1 * mean as f32).max(f32::MIN_POSITIVE)))
+        }
+    };
+    if full.is_nan() || full <= 0.0 {
+        return Err(Error::Request(format!(
+            "the full scale of an error picture is {full}: it must be positive"
+        )));
+    }
+    let pixels = image.pixels.iter().zip(&reference.pixels).zip(lengths()).map(|((&a, &b), length)| {
+        let error = (Vec3::from(a) - Vec3::from(b)).length();
+        let unit = floor.map_or(1.0, |floor| length.max(floor));
+        false_colour(error / unit / full)
+    });
+    Ok(Picture { width: image.width, height: image.height, pixels: pixels.collect() })
+}
+
+/// The colour of an error from 0 (black) to 1 (pale yellow), as in [`error_picture`]; for legends.
+pub fn false_colour(error: f32) -> [u8; 3] {
+    let colour = colorous::INFERNO.eval_continuous(error.clamp(0.0, 1.0) as f64);
+    [colour.r, colour.g, colour.b]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image(values: &[f32]) -> Image {
+        Image { width: values.len(), height: 1, pixels: values.iter().map(|&v| [v; 3]).collect() }
+    }
+
+    #[test]
+    fn the_numbers_are_those_of_their_formulas() {
+        let difference = compare(&image(&[1.0, 2.0, 4.5]), &image(&[1.0, 2.0, 4.0]), None).unwrap();
+        // One of three texels differs by 1/2: mean square 1/12; ‖b‖² = 3 (1 + 4 + 16).
+        assert!((difference.rmse - (1.0 / 12.0_f64).sqrt()).abs() <= 1e-12);
+        assert!((difference.relative_error - (0.25 / 21.0_f64).sqrt()).abs() <= 1e-12);
+        assert!((difference.largest - 0.5).abs() <= 1e-12);
+        assert!((difference.psnr() - 10.0 * (16.0 * 12.0_f64).log10()).abs() <= 1e-9);
+        let display = compare(&image(&[0.9]), &image(&[1.0]), Some(1.0)).unwrap();
+        assert!((display.psnr() - 20.0).abs() <= 1e-5);
+    }
+
+    #[test]
+    fn equal_pictures_have_no_error_and_infinite_ratio() {
+        for values in [[0.0, 0.0], [0.25, 3.0]] {
+            let difference = compare(&image(&values), &image(&values), None).unwrap();
+            assert_eq!((difference.rmse, difference.relative_error), (0.0, 0.0));
+            assert_eq!(difference.psnr(), f64::INFINITY);
+        }
+    }
+
+    #[test]
+    fn pictures_that_cannot_be_compared_are_refused_with_a_reason() {
+        let message = compare(&image(&[1.0]), &image(&[1.0, 2.0]), None).unwrap_err().to_string();
+        assert!(message.contains("1 × 1") && message.contains("2 × 1"), "{message}");
+        assert!(compare(&image(&[f32::NAN]), &image(&[1.0]), None).is_err());
+        assert!(compare(&image(&[1.0]), &image(&[f32::INFINITY]), None).is_err());
+        assert!(compare(&image(&[]), &image(&[]), None).is_err());
+        assert!(error_picture(&image(&[1.0]), &image(&[1.0]), ErrorScale::Absolute { full: 0.0 }).is_err());
+    }
+
+    #[test]
+    fn false_colours_rise_in_lightness_from_black() {
+        let lightness = |error: f32| {
+            let [r, g, b] = false_colour(error).map(|code| code as f32);
+            0.2126 * r + 0.7152 * g + 0.0722 * b
+        };
+        assert!(lightness(0.0) <= 2.0);
+        for step in 0..100 {
+            assert!(lightness((step + 1) as f32 / 100.0) >= lightness(step as f32 / 100.0));
+        }
+        let picture =
+            error_picture(&image(&[1.0, 1.1, 9.0]), &image(&[1.0; 3]), ErrorScale::Relative { full: 0.1 })
+                .unwrap();
+        assert_eq!(picture.pixels[0], false_colour(0.0));
+        assert_eq!(picture.pixels[2], false_colour(1.0));
+    }
+}
