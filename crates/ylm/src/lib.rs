@@ -11,6 +11,7 @@ pub mod layout;
 pub mod legendre;
 mod planes;
 pub mod product;
+pub mod project;
 pub mod quadrature;
 pub mod real;
 mod recurrence;

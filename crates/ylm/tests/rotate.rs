@@ -67,8 +67,7 @@ fn error_of_rotation(n: usize, matrix: &Matrix) -> f64 {
 
 #[test]
 fn rotating_the_basis_rotates_its_direction() {
-    for (a, b, c) in
-        [(0.3, 1.1, -2.0), (0.0, 1e-3, 0.0), (2.0, 3.13, 1.0), (0.0, 0.0, 0.5), (1.0, 1.57, 0.1)]
+    for (a, b, c) in [(0.3, 1.1, -2.0), (0.0, 1e-3, 0.0), (2.0, 3.13, 1.0), (0.0, 0.0, 0.5), (1.0, 1.57, 0.1)]
     {
         // Measured 1e-15, 5e-15, 8e-15, 2e-14.
         for (n, tolerance) in [(1, 1e-15), (2, 1e-15), (6, 5e-15), (16, 2e-14), (32, 4e-14), (64, 1e-13)] {
