@@ -1,9 +1,11 @@
 //! How far one picture is from another: numbers, and a picture in false colours.
 
+use std::path::Path;
+
 use glam::Vec3;
 
 use crate::error::{Error, Result};
-use crate::image::{Image, Picture};
+use crate::image::{Image, Picture, ReadOptions};
 
 /// Distance of values from reference values, over all their channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,6 +64,55 @@ impl Difference {
 pub fn compare(image: &Image, reference: &Image, peak: Option<f64>) -> Result<Difference> {
     check_sizes(image, reference)?;
     Difference::between(&image.pixels, &reference.pixels, peak)
+}
+
+/// Compares the pictures in two files: PNG by their code values, with the peak 1; linear ones (EXR, HDR, PFM, DDS, raw
+/// float) by radiance, with the reference's largest value as the peak.
+///
+/// # Errors
+/// If a file cannot be read, one holds code values and the other radiance, or as in [`compare`].
+pub fn compare_files(path: &Path, reference: &Path) -> Result<Difference> {
+    let ((image, values), (reference_image, reference_values)) = (open(path)?, open(reference)?);
+    if values != reference_values {
+        return Err(Error::Request(format!(
+            "{} holds {} and {} holds {}: compare two of a kind",
+            path.display(),
+            values.name(),
+            reference.display(),
+            reference_values.name()
+        )));
+    }
+    compare(&image, &reference_image, (values == Values::Display).then_some(1.0))
+}
+
+/// What the numbers of a picture are.
+#[derive(Clone, Copy, PartialEq)]
+enum Values {
+    Display,
+    Linear,
+}
+
+impl Values {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Display => "display values",
+            Self::Linear => "linear radiance",
+        }
+    }
+}
+
+fn open(path: &Path) -> Result<(Image, Values)> {
+    const PNG: &[u8] = b"\x89PNG";
+    let mut start = [0; PNG.len()];
+    let is_png = std::fs::File::open(path)
+        .and_then(|mut file| std::io::Read::read_exact(&mut file, &mut start))
+        .is_ok_and(|()| start == PNG);
+    if !is_png {
+        return Ok((Image::open(path, &ReadOptions::SIGNED)?, Values::Linear));
+    }
+    let bytes = std::fs::read(path).map_err(|source| Error::io(path, source))?;
+    let image = Image::decode_png(&bytes).map_err(|fault| Error::file(path, fault))?;
+    Ok((image, Values::Display))
 }
 
 fn check_sizes(image: &Image, reference: &Image) -> Result<()> {
@@ -141,6 +192,26 @@ mod tests {
         assert!((difference.psnr() - 10.0 * (16.0 * 12.0_f64).log10()).abs() <= 1e-9);
         let display = compare(&image(&[0.9]), &image(&[1.0]), Some(1.0)).unwrap();
         assert!((display.psnr() - 20.0).abs() <= 1e-5);
+    }
+
+    #[test]
+    fn files_are_compared_two_of_a_kind() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        Picture::filled(4, 3, [51; 3]).write_png(&at("dark.png")).unwrap();
+        Picture::filled(4, 3, [102; 3]).write_png(&at("light.png")).unwrap();
+        let linear = Image { width: 4, height: 3, pixels: vec![[2.0, 4.0, -1.0]; 12] };
+        linear.write_exr(&at("linear.exr")).unwrap();
+        let display = compare_files(&at("dark.png"), &at("light.png")).unwrap();
+        assert!((display.rmse - 0.2).abs() <= 1e-7 && display.peak == 1.0);
+        let same = compare_files(&at("linear.exr"), &at("linear.exr")).unwrap();
+        assert_eq!((same.rmse, same.peak), (0.0, 4.0));
+        let message = compare_files(&at("dark.png"), &at("linear.exr")).unwrap_err().to_string();
+        assert!(message.contains("dark.png") && message.contains("two of a kind"), "{message}");
+        assert!(compare_files(&at("missing.png"), &at("dark.png")).is_err());
+        std::fs::write(at("short.png"), &std::fs::read(at("dark.png")).unwrap()[..40]).unwrap();
+        let message = compare_files(&at("short.png"), &at("dark.png")).unwrap_err().to_string();
+        assert!(message.contains("short.png") && !message.contains('\n'), "{message}");
     }
 
     #[test]

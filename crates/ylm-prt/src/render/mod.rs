@@ -1,9 +1,11 @@
 //! Pictures of radiance at vertices, which someone else has computed: cast, develop, compare.
 
 mod cast;
+mod contact_sheet;
 mod difference;
 mod tonemap;
 
 pub use cast::{Raster, backdrop, render};
-pub use difference::{Difference, ErrorScale, compare, error_picture, false_colour};
+pub use contact_sheet::{Frame, Sheet, contact_sheet};
+pub use difference::{Difference, ErrorScale, compare, compare_files, error_picture, false_colour};
 pub use tonemap::{ToneMap, develop, linear_from_srgb, srgb_from_linear};
