@@ -1,1 +1,8 @@
-//! reference
+//! The judge: irradiance by brute force from the light itself.
+//!
+//! It shares nothing with the mathematics and the bake that it judges: neither expansion, nor transfer, nor samples.
+
+mod irradiance;
+mod samples;
+
+pub use irradiance::{DirectionSampler, Irradiance, Occlusion, Settings, irradiance};
