@@ -60,7 +60,7 @@ impl Mesh {
             let [a, b, c] = self.corners(t);
             0.5 * (b - a).cross(c - a).length()
         });
-        areas.sum()
+        areas.fold(0.0, |sum, area| sum + area)
     }
 
     /// The volume inside a closed mesh; positive if its faces wind counter-clockwise seen from outside.
@@ -73,7 +73,7 @@ impl Mesh {
             let [a, b, c] = self.corners(t).map(|p| p - middle);
             a.dot(b.cross(c)) / 6.0
         });
-        volumes.sum()
+        volumes.fold(0.0, |sum, volume| sum + volume)
     }
 
     /// Adds the triangles of another mesh to this one.

@@ -3,11 +3,16 @@
 pub mod bvh;
 pub mod camera;
 pub mod demo;
+pub mod gltf;
 pub mod mesh;
 pub mod normals;
+pub mod obj;
 pub mod ply;
 pub mod points;
 pub mod read;
+pub mod stl;
+mod text;
+pub mod topology;
 mod triangulate;
 
 pub use bvh::{Bvh, Hit, Ray};
@@ -15,3 +20,4 @@ pub use camera::{Camera, View};
 pub use mesh::{Mesh, Normals};
 pub use points::LightingPoints;
 pub use read::{MeshFault, NonFinite, ReadOptions, UpAxis};
+pub use topology::Topology;

@@ -4,10 +4,13 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 
+use crate::scene::gltf::{self, GltfFault};
 use crate::scene::mesh::{Mesh, Normals, WHITE};
+use crate::scene::normals;
+use crate::scene::obj::{self, ObjFault};
 use crate::scene::ply::{self, PlyFault};
-use crate::scene::triangulate;
-use crate::scene::{normals, triangulate::TooManyCorners};
+use crate::scene::stl::{self, StlFault};
+use crate::scene::triangulate::{Cutter, MAX_CONCAVE_CORNERS, TooManyCorners};
 
 /// How to read a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,6 +50,15 @@ pub enum MeshFault {
     /// A PLY file's fault.
     #[error(transparent)]
     Ply(#[from] PlyFault),
+    /// An OBJ file's fault.
+    #[error(transparent)]
+    Obj(#[from] ObjFault),
+    /// An STL file's fault.
+    #[error(transparent)]
+    Stl(#[from] StlFault),
+    /// A glTF or GLB file's fault.
+    #[error(transparent)]
+    Gltf(#[from] GltfFault),
     /// Positions that are NaN, infinite, or too large for single precision.
     #[error(
         "{at}: vertex {vertex} is not finite, the first of {count} such; --repair drops them and their faces"
@@ -75,7 +87,7 @@ pub enum MeshFault {
         count: usize,
     },
     /// A concave polygon with too many corners to triangulate in bounded time.
-    #[error("face {face} has {corners} corners and is not convex; at most {max} can be cut into triangles", max = triangulate::MAX_CONCAVE_CORNERS)]
+    #[error("face {face} has {corners} corners and is not convex; at most {max} can be cut into triangles", max = MAX_CONCAVE_CORNERS)]
     LargeConcaveFace {
         /// The face, counted from 0.
         face: usize,
@@ -116,13 +128,19 @@ impl std::fmt::Display for Place {
     }
 }
 
-/// Reads a mesh from bytes; `path` gives the extension, for content that does not tell its format.
+/// Reads a mesh from bytes.
+///
+/// `path` gives the extension, for content that does not tell its format, and the folder, for glTF files whose
+/// buffers are files of their own.
 ///
 /// # Errors
 /// See [`MeshFault`].
 pub fn read(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Mesh, MeshFault> {
     let draft = match Format::of(bytes, path).ok_or(MeshFault::UnknownFormat)? {
         Format::Ply => ply::read(bytes)?,
+        Format::Obj => obj::read(bytes)?,
+        Format::Stl => stl::read(bytes)?,
+        Format::Gltf => gltf::read(bytes, path.parent().unwrap_or(Path::new("")))?,
     };
     draft.finish(options)
 }
@@ -131,16 +149,29 @@ pub fn read(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Mesh, Me
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Ply,
+    Obj,
+    Stl,
+    Gltf,
 }
 
 impl Format {
     /// The format that the content shows, else the one that the extension claims.
+    ///
+    /// OBJ has no mark of its own, so it is left to the extension.
     fn of(bytes: &[u8], path: &Path) -> Option<Self> {
+        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
         if matches!(bytes, [b'p', b'l', b'y', b'\r' | b'\n', ..]) {
-            return Some(Format::Ply);
+            return Some(Self::Ply);
+        } else if bytes.starts_with(b"glTF") || text.starts_with(b"{") {
+            return Some(Self::Gltf);
+        } else if stl::is_binary(bytes) || stl::is_ascii(bytes) {
+            return Some(Self::Stl);
         }
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
-            "ply" => Some(Format::Ply),
+            "ply" => Some(Self::Ply),
+            "obj" => Some(Self::Obj),
+            "stl" => Some(Self::Stl),
+            "gltf" | "glb" => Some(Self::Gltf),
             _ => None,
         }
     }
@@ -172,6 +203,9 @@ pub(crate) struct Draft {
     bad_positions: Tally,
     bad_colours: Tally,
 }
+
+/// Corners of each triangle, indices of positions or of normals.
+type Triangles = Vec<[u32; 3]>;
 
 /// How many vertices break a rule, and the first that does.
 #[derive(Debug, Default)]
@@ -272,11 +306,11 @@ impl Draft {
     }
 
     /// The triangles of all faces whose positions are finite, as indices of positions and of normals.
-    fn cut_faces(&self) -> Result<(Vec<[u32; 3]>, Vec<[u32; 3]>), MeshFault> {
-        let mut triangles = Vec::with_capacity(self.face_ends.len());
+    fn cut_faces(&self) -> Result<(Triangles, Triangles), MeshFault> {
+        let mut triangles = Triangles::with_capacity(self.face_ends.len());
         let mut normal_triangles =
             Vec::with_capacity(if self.normals.is_empty() { 0 } else { self.face_ends.len() });
-        let mut cutter = triangulate::Cutter::default();
+        let mut cutter = Cutter::default();
         let mut start = 0;
         for (face, &end) in self.face_ends.iter().enumerate() {
             let corners = &self.corners[start..end];

@@ -1,0 +1,548 @@
+//! Reads glTF 2.0, as JSON or binary (GLB). [Khronos 2021] "glTF 2.0 Specification"
+//!
+//! The crate gltf gives the types of the JSON; containers, buffers and accessors are read here, with every offset
+//! checked: the crate's own readers underflow on short GLB headers and unwrap on short sparse data.
+
+mod accessor;
+mod buffer;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use glam::{DMat3, DMat4, DQuat, DVec3};
+use gltf::json::{self, Index, Root, mesh::Mode, mesh::Semantic, validation::Checked};
+
+use crate::scene::read::{Corner, Draft, Place, excerpt};
+use accessor::Accessors;
+use buffer::Buffers;
+
+/// Why bytes are no glTF mesh.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GltfFault {
+    /// Another version of the container.
+    #[error("is GLB version {version}; only version 2 can be read")]
+    GlbVersion {
+        /// The version it says.
+        version: u32,
+    },
+    /// The length in the header is not the file's.
+    #[error("its header says {said} bytes; it has {length}")]
+    GlbLength {
+        /// The length it says.
+        said: u32,
+        /// The length it has.
+        length: usize,
+    },
+    /// A chunk that leaves the file.
+    #[error("byte {at}: a chunk of {chunk} bytes reaches beyond the end, byte {length}")]
+    GlbChunk {
+        /// Where the chunk's header begins.
+        at: usize,
+        /// The length it says.
+        chunk: u64,
+        /// The length of the file.
+        length: usize,
+    },
+    /// The first chunk is not JSON.
+    #[error("its first chunk is not JSON")]
+    GlbNoJson,
+    /// The JSON is broken, or says what glTF does not allow.
+    #[error("is no glTF: {reason}")]
+    Json {
+        /// What is wrong, and the line and column of the JSON.
+        reason: String,
+    },
+    /// Another version of the format.
+    #[error("is glTF version `{version}`; only 2.0 can be read")]
+    Version {
+        /// The version it says.
+        version: String,
+    },
+    /// An extension without which the geometry would be wrong.
+    #[error("needs the extension {name}, which cannot be read; export the file without it")]
+    Extension {
+        /// Its name.
+        name: String,
+    },
+    /// An index of something that does not exist.
+    #[error("{of} {index} does not exist; there are {count}")]
+    Missing {
+        /// Of what.
+        of: &'static str,
+        /// The index.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A node with two parents, or its own ancestor.
+    #[error("node {node} is reached twice; nodes must form trees")]
+    NodeTwice {
+        /// The node.
+        node: usize,
+    },
+    /// A rotation that is not one.
+    #[error("node {node}: its rotation {rotation:?} is no unit quaternion")]
+    Rotation {
+        /// The node.
+        node: usize,
+        /// Its rotation.
+        rotation: [f32; 4],
+    },
+    /// A node that is bent by a skeleton.
+    #[error("node {node} has a skin; export the mesh with its pose applied")]
+    Skin {
+        /// The node.
+        node: usize,
+    },
+    /// A mesh that is shaped by morph targets.
+    #[error("mesh {mesh} is morphed by weights that are not 0; export it with its shape applied")]
+    Morph {
+        /// The mesh.
+        mesh: usize,
+    },
+    /// A primitive without positions.
+    #[error("mesh {mesh}, primitive {primitive}: it has no attribute POSITION")]
+    NoPosition {
+        /// The mesh.
+        mesh: usize,
+        /// Its primitive.
+        primitive: usize,
+    },
+    /// A mode of primitives that glTF does not have.
+    #[error("mesh {mesh}, primitive {primitive}: its mode is none of 0 to 6")]
+    Mode {
+        /// The mesh.
+        mesh: usize,
+        /// Its primitive.
+        primitive: usize,
+    },
+    /// Triangles that do not come out even.
+    #[error("mesh {mesh}, primitive {primitive}: {count} corners do not make up triangles")]
+    CornerCount {
+        /// The mesh.
+        mesh: usize,
+        /// Its primitive.
+        primitive: usize,
+        /// How many corners.
+        count: usize,
+    },
+    /// Attributes of different lengths.
+    #[error("accessor {accessor} has {count} elements; the positions are {positions}")]
+    AttributeCount {
+        /// The accessor of the attribute.
+        accessor: usize,
+        /// Its elements.
+        count: usize,
+        /// The elements of the accessor of positions.
+        positions: usize,
+    },
+    /// An index of a vertex that does not exist.
+    #[error("{at}: vertex index {index} is out of range; there are {count} vertices")]
+    VertexIndex {
+        /// Where.
+        at: Place,
+        /// The index.
+        index: u32,
+        /// The vertices of the primitive.
+        count: usize,
+    },
+    /// An accessor of a type that its use does not allow.
+    #[error("accessor {accessor} has the wrong type; {expected}")]
+    AccessorType {
+        /// The accessor.
+        accessor: usize,
+        /// What it must be.
+        expected: &'static str,
+    },
+    /// An accessor without data of its own.
+    #[error("accessor {accessor} has no data; is it compressed by an extension?")]
+    AccessorWithoutData {
+        /// The accessor.
+        accessor: usize,
+    },
+    /// An accessor that leaves its buffer view.
+    #[error("accessor {accessor} ends at byte {end} of buffer view {view}, which has {length}")]
+    AccessorRange {
+        /// The accessor.
+        accessor: usize,
+        /// Where it ends.
+        end: u64,
+        /// The buffer view.
+        view: usize,
+        /// The bytes of the view.
+        length: usize,
+    },
+    /// Elements that overlap, or a stride that is no multiple of 4 from 4 to 252.
+    #[error("buffer view {view}: its stride {stride} does not suit accessor {accessor}")]
+    Stride {
+        /// The buffer view.
+        view: usize,
+        /// The stride.
+        stride: usize,
+        /// The accessor.
+        accessor: usize,
+    },
+    /// Sparse indices that do not rise, or point beyond the accessor.
+    #[error("accessor {accessor}: its sparse index {index} is out of order or out of range")]
+    SparseIndex {
+        /// The accessor.
+        accessor: usize,
+        /// The index.
+        index: u32,
+    },
+    /// A buffer view that leaves its buffer.
+    #[error("buffer view {view} ends at byte {end} of buffer {buffer}, which has {length}")]
+    ViewRange {
+        /// The buffer view.
+        view: usize,
+        /// Where it ends.
+        end: u64,
+        /// The buffer.
+        buffer: usize,
+        /// The bytes of the buffer.
+        length: u64,
+    },
+    /// A buffer with fewer bytes than it says.
+    #[error("buffer {buffer} says {said} bytes; its data has {length}")]
+    BufferLength {
+        /// The buffer.
+        buffer: usize,
+        /// The length it says.
+        said: u64,
+        /// The length it has.
+        length: usize,
+    },
+    /// A buffer without a URI that is not the one of the GLB.
+    #[error("buffer {buffer} has no data")]
+    BufferWithoutData {
+        /// The buffer.
+        buffer: usize,
+    },
+    /// A URI that leaves the folder of the file, or is no relative path.
+    #[error("buffer {buffer}: `{uri}` leaves the folder of the file; only files beside or below it are read")]
+    UriOutside {
+        /// The buffer.
+        buffer: usize,
+        /// The URI.
+        uri: String,
+    },
+    /// A data URI whose data cannot be decoded.
+    #[error("buffer {buffer}: its data URI cannot be decoded: {reason}")]
+    DataUri {
+        /// The buffer.
+        buffer: usize,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A file that cannot be read.
+    #[error("buffer {buffer}: `{uri}`: {reason}")]
+    BufferFile {
+        /// The buffer.
+        buffer: usize,
+        /// Its file.
+        uri: String,
+        /// The operating system's reason.
+        reason: String,
+    },
+    /// Nodes and primitives that repeat data beyond what the file justifies.
+    #[error("repeats its meshes to more than {max} vertices and corners")]
+    TooManyInstances {
+        /// The most that would have been read.
+        max: usize,
+    },
+}
+
+/// Required extensions that change nothing about positions, normals and base colours.
+const HARMLESS_EXTENSIONS: [&str; 8] = [
+    "KHR_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "MSFT_texture_",
+    "KHR_lights_",
+    "EXT_lights_",
+    "KHR_mesh_quantization",
+    "KHR_xmp",
+];
+
+/// Vertices and corners that nodes may add up to, whatever the file's length: scenes repeat their meshes.
+const MIN_INSTANCE_BUDGET: usize = 1 << 24;
+
+/// Reads the default scene, else the first, else all nodes.
+///
+/// Albedo is baseColorFactor times COLOR_0; textures are passed over. Points and lines are passed over.
+/// `folder` is where the files of buffers lie.
+pub(crate) fn read(bytes: &[u8], folder: &Path) -> Result<Draft, GltfFault> {
+    let (text, blob) = buffer::split_container(bytes)?;
+    let root: Root =
+        json::deserialize::from_slice(text).map_err(|error| GltfFault::Json { reason: error.to_string() })?;
+    if root.asset.version.split('.').next() != Some("2") {
+        return Err(GltfFault::Version { version: excerpt(root.asset.version.as_bytes()) });
+    }
+    let harmless = |name: &String| HARMLESS_EXTENSIONS.iter().any(|harmless| name.starts_with(harmless));
+    // Of several, compression is the one that says why.
+    let mut refused: Vec<&String> = root.extensions_required.iter().filter(|name| !harmless(name)).collect();
+    refused.sort_by_key(|name| !name.contains("compression"));
+    if let Some(name) = refused.first() {
+        return Err(GltfFault::Extension { name: excerpt(name.as_bytes()) });
+    }
+    let buffers = Buffers::load(&root, blob, folder)?;
+    // Below the range of indices in any case.
+    let max =
+        MIN_INSTANCE_BUDGET.max(bytes.len().saturating_add(buffers.byte_count)).min(u32::MAX as usize - 1);
+    let accessors = Accessors { root: &root, buffers: &buffers };
+    let mut scene = Scene { accessors, draft: Draft::default(), budget: max, max };
+    for (node, world_from_local) in placed_nodes(&root)? {
+        scene.add_node(node, world_from_local)?;
+    }
+    Ok(scene.draft)
+}
+
+/// The item that an index names.
+fn get<'a, T>(items: &'a [T], index: usize, of: &'static str) -> Result<&'a T, GltfFault> {
+    items.get(index).ok_or(GltfFault::Missing { of, index, count: items.len() })
+}
+
+/// The nodes of the scene that have a mesh, with their transforms, parents before children.
+///
+/// No recursion: nodes may nest as deep as they like.
+fn placed_nodes(root: &Root) -> Result<Vec<(usize, DMat4)>, GltfFault> {
+    let roots: Vec<usize> = match (root.scene, root.scenes.first()) {
+        (Some(scene), _) => {
+            get(&root.scenes, scene.value(), "scene")?.nodes.iter().map(Index::value).collect()
+        }
+        (None, Some(scene)) => scene.nodes.iter().map(Index::value).collect(),
+        (None, None) => {
+            let mut is_child = vec![false; root.nodes.len()];
+            for child in root.nodes.iter().filter_map(|node| node.children.as_ref()).flatten() {
+                if let Some(is_child) = is_child.get_mut(child.value()) {
+                    *is_child = true;
+                }
+            }
+            (0..root.nodes.len()).filter(|&node| !is_child[node]).collect()
+        }
+    };
+    let mut placed = Vec::new();
+    let mut reached = vec![false; root.nodes.len()];
+    let mut open: Vec<(usize, DMat4)> = roots.into_iter().rev().map(|node| (node, DMat4::IDENTITY)).collect();
+    while let Some((index, world_from_parent)) = open.pop() {
+        let node = get(&root.nodes, index, "node")?;
+        if std::mem::replace(&mut reached[index], true) {
+            return Err(GltfFault::NodeTwice { node: index });
+        }
+        let world_from_local = world_from_parent * parent_from_local(node, index)?;
+        if node.mesh.is_some() {
+            placed.push((index, world_from_local));
+        }
+        let children = node.children.iter().flatten();
+        open.extend(children.rev().map(|child| (child.value(), world_from_local)));
+    }
+    Ok(placed)
+}
+
+fn parent_from_local(node: &json::Node, index: usize) -> Result<DMat4, GltfFault> {
+    if let Some(matrix) = node.matrix {
+        return Ok(DMat4::from_cols_array(&matrix.map(f64::from)));
+    }
+    let rotation = node.rotation.unwrap_or_default().0;
+    let quaternion = DQuat::from_array(rotation.map(f64::from));
+    // Exporters round to single precision or to bytes (1/127); what is farther off is no rounding.
+    let is_unit = (quaternion.length() - 1.0).abs() <= 0.01;
+    if !is_unit {
+        return Err(GltfFault::Rotation { node: index, rotation });
+    }
+    let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+    Ok(DMat4::from_scale_rotation_translation(
+        vector(node.scale.unwrap_or([1.0; 3])),
+        quaternion.normalize(),
+        vector(node.translation.unwrap_or([0.0; 3])),
+    ))
+}
+
+/// What the nodes add up to.
+struct Scene<'a> {
+    accessors: Accessors<'a>,
+    draft: Draft,
+    /// Vertices and corners that may still be added.
+    budget: usize,
+    max: usize,
+}
+
+/// Vertices that primitives of one node share: positions, normals, colours, and the factor of the colours.
+type VertexKey = (usize, Option<usize>, Option<usize>, [u32; 3]);
+
+impl Scene<'_> {
+    fn spend(&mut self, count: usize) -> Result<(), GltfFault> {
+        self.budget = self.budget.checked_sub(count).ok_or(GltfFault::TooManyInstances { max: self.max })?;
+        Ok(())
+    }
+
+    fn add_node(&mut self, node_index: usize, world_from_local: DMat4) -> Result<(), GltfFault> {
+        let root = self.accessors.root;
+        let node = &root.nodes[node_index];
+        let Some(mesh_index) = node.mesh.map(|mesh| mesh.value()) else { return Ok(()) };
+        let mesh = get(&root.meshes, mesh_index, "mesh")?;
+        if node.skin.is_some() {
+            return Err(GltfFault::Skin { node: node_index });
+        }
+        let weights = node.weights.as_ref().or(mesh.weights.as_ref());
+        if weights.is_some_and(|weights| weights.iter().any(|&weight| weight != 0.0)) {
+            return Err(GltfFault::Morph { mesh: mesh_index });
+        }
+        let mut vertices = HashMap::new();
+        for (index, primitive) in mesh.primitives.iter().enumerate() {
+            let at = PrimitivePlace { mesh: mesh_index, primitive: index };
+            self.add_primitive(primitive, at, world_from_local, &mut vertices)?;
+        }
+        Ok(())
+    }
+
+    fn add_primitive(
+        &mut self,
+        primitive: &json::mesh::Primitive,
+        at: PrimitivePlace,
+        world_from_local: DMat4,
+        vertices: &mut HashMap<VertexKey, Vertices>,
+    ) -> Result<(), GltfFault> {
+        let PrimitivePlace { mesh, primitive: index } = at;
+        let mode = match primitive.mode {
+            Checked::Valid(Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) => return Ok(()),
+            Checked::Valid(mode) => mode,
+            Checked::Invalid => return Err(GltfFault::Mode { mesh, primitive: index }),
+        };
+        let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(Index::value);
+        let positions =
+            attribute(Semantic::Positions).ok_or(GltfFault::NoPosition { mesh, primitive: index })?;
+        let normals = attribute(Semantic::Normals);
+        let colours = attribute(Semantic::Colors(0));
+        let factor = match primitive.material {
+            Some(material) => {
+                let material = get(&self.accessors.root.materials, material.value(), "material")?;
+                let [r, g, b, _] = material.pbr_metallic_roughness.base_color_factor.0;
+                [r, g, b]
+            }
+            None => [1.0; 3],
+        };
+        let key = (positions, normals, colours, factor.map(f32::to_bits));
+        let shared = match vertices.get(&key) {
+            Some(&shared) => shared,
+            None => {
+                let added = self.add_vertices(positions, normals, colours, factor, world_from_local)?;
+                vertices.insert(key, added);
+                added
+            }
+        };
+        let corners: Vec<u32> = match primitive.indices {
+            Some(indices) => {
+                self.spend(self.accessors.count(indices.value())?)?;
+                self.accessors.indices(indices.value())?
+            }
+            None => {
+                self.spend(shared.count)?;
+                (0..shared.count as u32).collect()
+            }
+        };
+        if let Some(element) = corners.iter().position(|&corner| corner as usize >= shared.count) {
+            let accessor = primitive.indices.map_or(0, |indices| indices.value());
+            let at = Place::Accessor { accessor, element };
+            return Err(GltfFault::VertexIndex { at, index: corners[element], count: shared.count });
+        }
+        let is_even = match mode {
+            Mode::Triangles => corners.len().is_multiple_of(3),
+            _ => corners.len() >= 3,
+        };
+        if !is_even {
+            return Err(GltfFault::CornerCount { mesh, primitive: index, count: corners.len() });
+        }
+        let triangle_count = if mode == Mode::Triangles { corners.len() / 3 } else { corners.len() - 2 };
+        // A transform that mirrors turns triangles inside out, unless they wind the other way.
+        let is_mirrored = world_from_local.determinant() < 0.0;
+        for k in 0..triangle_count {
+            let [a, b, c] = match mode {
+                Mode::Triangles => [3 * k, 3 * k + 1, 3 * k + 2],
+                // (1 + k % 2) and its counterpart alternate the winding along the strip.
+                Mode::TriangleStrip => [k, k + 1 + k % 2, k + 2 - k % 2],
+                _ => [k + 1, k + 2, 0],
+            }
+            .map(|corner| corners[corner]);
+            let is_stitch = mode != Mode::Triangles && (a == b || b == c || c == a);
+            if !is_stitch {
+                let triangle = if is_mirrored { [a, c, b] } else { [a, b, c] };
+                self.draft.add_face(triangle.map(|corner| shared.corner(corner)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the vertices of a primitive.
+    fn add_vertices(
+        &mut self,
+        positions: usize,
+        normals: Option<usize>,
+        colours: Option<usize>,
+        factor: [f32; 3],
+        world_from_local: DMat4,
+    ) -> Result<Vertices, GltfFault> {
+        let count = self.accessors.count(positions)?;
+        self.spend(count)?;
+        for accessor in [normals, colours].into_iter().flatten() {
+            let attribute_count = self.accessors.count(accessor)?;
+            if attribute_count != count {
+                return Err(GltfFault::AttributeCount { accessor, count: attribute_count, positions: count });
+            }
+        }
+        let first_position = self.draft.position_count() as u32;
+        let first_normal = normals.map(|_| self.draft.normal_count() as u32);
+        let is_white = colours.is_none() && factor == [1.0; 3];
+        let colours = colours.map(|accessor| self.accessors.colours(accessor)).transpose()?;
+        for (element, position) in self.accessors.positions(positions)?.into_iter().enumerate() {
+            let at = Place::Accessor { accessor: positions, element };
+            self.draft.add_position(world_from_local.transform_point3(position), at);
+            if !is_white {
+                let [r, g, b] = colours.as_ref().map_or([1.0; 3], |colours| colours[element]);
+                self.draft.add_colour([r * factor[0], g * factor[1], b * factor[2]], at);
+            }
+        }
+        if let Some(accessor) = normals {
+            let world_from_normal = world_from_normal(world_from_local);
+            for normal in self.accessors.normals(accessor)? {
+                self.draft.add_normal(world_from_normal * normal);
+            }
+        }
+        Ok(Vertices { first_position, first_normal, count })
+    }
+}
+
+/// Which primitive, for faults.
+#[derive(Clone, Copy)]
+struct PrimitivePlace {
+    mesh: usize,
+    primitive: usize,
+}
+
+/// Where the vertices of a primitive stand in the draft.
+#[derive(Clone, Copy)]
+struct Vertices {
+    first_position: u32,
+    first_normal: Option<u32>,
+    count: usize,
+}
+
+impl Vertices {
+    fn corner(&self, index: u32) -> Corner {
+        let normal = self.first_normal.map_or(Corner::NO_NORMAL, |first| first + index);
+        Corner { position: self.first_position + index, normal }
+    }
+}
+
+/// The inverse transpose of a transform's linear part, up to a positive factor, which normals do not need.
+///
+/// The matrix of cofactors is det · inverse transpose; it exists where the inverse does not.
+fn world_from_normal(world_from_local: DMat4) -> DMat3 {
+    let linear = DMat3::from_mat4(world_from_local);
+    let cofactors = DMat3::from_cols(
+        linear.y_axis.cross(linear.z_axis),
+        linear.z_axis.cross(linear.x_axis),
+        linear.x_axis.cross(linear.y_axis),
+    );
+    if linear.determinant() < 0.0 { -cofactors } else { cofactors }
+}

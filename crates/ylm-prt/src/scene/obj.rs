@@ -1,0 +1,259 @@
+//! Reads OBJ: polygons with their normals, and colours of vertices. [Wavefront 1991] "Advanced Visualizer Manual", B1
+//!
+//! A reader of its own: tobj stores material and texture data, splits or merges vertices by its own rules, cuts
+//! polygons as if they were convex, and does not name the line of a fault.
+
+use glam::DVec3;
+
+use crate::scene::read::{Corner, Draft, Place, excerpt, linear_from_srgb};
+use crate::scene::text::{Lines, number, vector, words};
+
+/// Why bytes are no OBJ mesh.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ObjFault {
+    /// Nothing in the file is of the format.
+    #[error("has no vertices, and line {line} is no statement of OBJ: `{text}`")]
+    NotObj {
+        /// The first such line.
+        line: usize,
+        /// What it says.
+        text: String,
+    },
+    /// A vertex whose numbers are not those of a vertex.
+    #[error("line {line}: `{text}` is no vertex; it has 3 coordinates, or 4, or 3 and a colour of 3 or 4")]
+    Vertex {
+        /// Which line.
+        line: usize,
+        /// What it says.
+        text: String,
+    },
+    /// A normal without its three numbers.
+    #[error("line {line}: `{text}` is no normal; it has 3 coordinates")]
+    Normal {
+        /// Which line.
+        line: usize,
+        /// What it says.
+        text: String,
+    },
+    /// A face with fewer than three corners.
+    #[error("line {line}: a face with {corners} corners; a face has at least 3")]
+    FaceCorners {
+        /// Which line.
+        line: usize,
+        /// How many.
+        corners: usize,
+    },
+    /// A corner that is not one to three indices.
+    #[error(
+        "line {line}: `{text}` is no corner of a face: vertex, vertex/texture, vertex//normal or all three"
+    )]
+    Corner {
+        /// Which line.
+        line: usize,
+        /// The word.
+        text: String,
+    },
+    /// An index of nothing.
+    #[error("line {line}: {of} index {index} is out of range; {count} stand {} and indices start at 1",
+        if *index < 0 { "before it" } else { "in the file" })]
+    Index {
+        /// Which line.
+        line: usize,
+        /// Vertex or normal.
+        of: &'static str,
+        /// The index.
+        index: i64,
+        /// How many there are.
+        count: usize,
+    },
+}
+
+/// Reads a mesh.
+///
+/// Materials, texture coordinates, groups, points, lines and free-form surfaces are passed over. Colours are
+/// sRGB-encoded, as in Blender and three.js. Positive indices may point at vertices that follow.
+pub(crate) fn read(bytes: &[u8]) -> Result<Draft, ObjFault> {
+    let mut draft = Draft::default();
+    let mut largest_vertex = Largest::default();
+    let mut largest_normal = Largest::default();
+    let mut unknown: Option<(usize, String)> = None;
+    let mut face: Vec<Corner> = Vec::new();
+    let mut statements = Statements { lines: Lines::new(bytes), joined: Vec::new() };
+    while let Some((line, text)) = statements.next() {
+        let mut words = words(text);
+        match words.next() {
+            Some(b"v") => {
+                let (position, colour) =
+                    vertex(words).ok_or_else(|| ObjFault::Vertex { line, text: excerpt(text) })?;
+                draft.add_position(position, Place::Line(line));
+                if let Some(colour) = colour {
+                    draft.add_colour(colour.map(linear_from_srgb), Place::Line(line));
+                }
+            }
+            Some(b"vn") => {
+                let normal = vector(words).ok_or_else(|| ObjFault::Normal { line, text: excerpt(text) })?;
+                draft.add_normal(normal);
+            }
+            Some(b"f" | b"fo") => {
+                face.clear();
+                for word in words {
+                    let (vertex, normal) =
+                        corner(word).ok_or_else(|| ObjFault::Corner { line, text: excerpt(word) })?;
+                    let position = largest_vertex.resolve("vertex", vertex, draft.position_count(), line)?;
+                    let normal = match normal {
+                        Some(normal) => {
+                            largest_normal.resolve("normal", normal, draft.normal_count(), line)?
+                        }
+                        None => Corner::NO_NORMAL,
+                    };
+                    face.push(Corner { position, normal });
+                }
+                if face.len() < 3 {
+                    return Err(ObjFault::FaceCorners { line, corners: face.len() });
+                }
+                draft.add_face(face.iter().copied());
+            }
+            Some(keyword) if !PASSED_OVER.contains(&keyword) && unknown.is_none() => {
+                unknown = Some((line, excerpt(text)));
+            }
+            _ => {}
+        }
+    }
+    largest_vertex.check("vertex", draft.position_count())?;
+    largest_normal.check("normal", draft.normal_count())?;
+    match unknown {
+        // Programs write keywords of their own into OBJ files; a file of nothing else is something else.
+        Some((line, text)) if draft.position_count() == 0 => Err(ObjFault::NotObj { line, text }),
+        _ => Ok(draft),
+    }
+}
+
+/// Keywords of the format that say nothing about triangles.
+const PASSED_OVER: [&[u8]; 33] = [
+    b"vt",
+    b"vp",
+    b"p",
+    b"l",
+    b"g",
+    b"s",
+    b"o",
+    b"mg",
+    b"usemtl",
+    b"mtllib",
+    b"usemap",
+    b"maplib",
+    b"cstype",
+    b"deg",
+    b"bmat",
+    b"step",
+    b"curv",
+    b"curv2",
+    b"surf",
+    b"parm",
+    b"trim",
+    b"hole",
+    b"scrv",
+    b"sp",
+    b"end",
+    b"con",
+    b"bevel",
+    b"c_interp",
+    b"d_interp",
+    b"lod",
+    b"shadow_obj",
+    b"trace_obj",
+    b"call",
+];
+
+/// Statements: lines without comments, joined where one ends with a backslash.
+struct Statements<'a> {
+    lines: Lines<'a>,
+    joined: Vec<u8>,
+}
+
+impl Statements<'_> {
+    /// The next statement and the line where it begins.
+    fn next(&mut self) -> Option<(usize, &[u8])> {
+        let (number, line) = self.lines.next()?;
+        let Some(mut part) = without_comment(line).strip_suffix(b"\\") else {
+            return Some((number, without_comment(line)));
+        };
+        self.joined.clear();
+        loop {
+            self.joined.extend_from_slice(part);
+            self.joined.push(b' ');
+            let line = self.lines.next().map_or(b"".as_slice(), |(_, line)| without_comment(line));
+            match line.strip_suffix(b"\\") {
+                Some(continued) => part = continued,
+                None => {
+                    self.joined.extend_from_slice(line);
+                    return Some((number, &self.joined));
+                }
+            }
+        }
+    }
+}
+
+fn without_comment(line: &[u8]) -> &[u8] {
+    let end = line.iter().position(|&b| b == b'#').unwrap_or(line.len());
+    line[..end].trim_ascii_end()
+}
+
+/// The position of a vertex and its colour, if it has one; a weight or alpha is passed over.
+fn vertex<'a>(words: impl Iterator<Item = &'a [u8]>) -> Option<(DVec3, Option<[f32; 3]>)> {
+    let mut numbers = [0.0_f64; 7];
+    let mut count = 0;
+    for word in words {
+        *numbers.get_mut(count)? = number(word)?;
+        count += 1;
+    }
+    let [x, y, z, r, g, b, _] = numbers;
+    let colour = match count {
+        3 | 4 => None,
+        6 | 7 => Some([r as f32, g as f32, b as f32]),
+        _ => return None,
+    };
+    Some((DVec3::new(x, y, z), colour))
+}
+
+/// The indices of a corner's vertex and normal; also its texture's must be an integer.
+fn corner(word: &[u8]) -> Option<(i64, Option<i64>)> {
+    let mut parts = word.split(|&b| b == b'/');
+    let vertex = number(parts.next()?)?;
+    let mut optional = || match parts.next() {
+        None | Some(b"") => Some(None),
+        Some(part) => Some(Some(number::<i64>(part)?)),
+    };
+    let _texture = optional()?;
+    let normal = optional()?;
+    parts.next().is_none().then_some((vertex, normal))
+}
+
+/// The largest index so far, which the count at the end of the file must reach.
+#[derive(Default)]
+struct Largest {
+    index: i64,
+    line: usize,
+}
+
+impl Largest {
+    /// The index from 0 of a positive index from 1, or of a negative one from the last.
+    fn resolve(&mut self, of: &'static str, index: i64, count: usize, line: usize) -> Result<u32, ObjFault> {
+        if index > self.index {
+            *self = Self { index, line };
+        }
+        let from_start = if index > 0 { Some(index - 1) } else { index.checked_add(count as i64) };
+        match from_start {
+            // An index beyond the range of u32 is one beyond the count of anything, which `check` finds.
+            Some(resolved @ 0..) if index != 0 => Ok(u32::try_from(resolved).unwrap_or(u32::MAX - 1)),
+            _ => Err(ObjFault::Index { line, of, index, count }),
+        }
+    }
+
+    fn check(&self, of: &'static str, count: usize) -> Result<(), ObjFault> {
+        if self.index > count as i64 {
+            return Err(ObjFault::Index { line: self.line, of, index: self.index, count });
+        }
+        Ok(())
+    }
+}
