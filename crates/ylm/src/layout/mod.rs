@@ -132,26 +132,8 @@ impl Grid {
     /// # Errors
     /// If the picture is empty or has not the shape that the layout calls for.
     pub fn new(layout: Layout, width: usize, height: usize) -> Result<Self> {
-        let least = if layout.samples_on_border() { 2 } else { 1 };
-        let range = |what, value: usize, range| Err(Error::Range { what, value: value as f64, range });
         let [columns, rows] = layout.shape().unwrap_or([1, 1]);
-        if width / columns < least {
-            return range(
-                "width of the picture",
-                width,
-                "it must be at least one texel a face, two with border samples",
-            );
-        }
-        if height / rows < least {
-            return range(
-                "height of the picture",
-                height,
-                "it must be at least one texel a face, two with border samples",
-            );
-        }
-        if let Some([columns, rows]) = layout.shape()
-            && width * rows != height * columns
-        {
+        if layout.shape().is_some() && width * rows != height * columns {
             let range = match [columns, rows] {
                 [1, 1] => "it must be 1 for an angular map or a mirror ball",
                 [3, 4] => "it must be 3/4 for a vertical cross",
@@ -161,6 +143,15 @@ impl Grid {
             };
             let value = width as f64 / height as f64;
             return Err(Error::Range { what: "width / height of the picture", value, range });
+        }
+        let (least, range) = match layout.samples_on_border() {
+            true => (2, "samples on the border need at least two a side"),
+            false => (1, "it must have at least one texel a side"),
+        };
+        for (what, value, least) in [("width", width, least * columns), ("height", height, least * rows)] {
+            if value < least {
+                return Err(Error::Range { what, value: value as f64, range });
+            }
         }
         Ok(Self { layout, width, height, edge: width / columns, faces: faces(layout) })
     }

@@ -1,0 +1,504 @@
+//! Lights: closed forms, turns, sums, sampling, words and files.
+
+use std::f64::consts::PI;
+
+use glam::{Quat, Vec3};
+use proptest::prelude::*;
+use serde_json::json;
+use ylm::Bands;
+use ylm::window::Window;
+use ylm_prt::image::{Decoded, Image};
+use ylm_prt::light::probe::LayoutWord;
+use ylm_prt::light::{Light, LightCoeffs, Probe, Sky, Source};
+
+#[path = "../../../testdata/data.rs"]
+mod data;
+
+fn bands(n: usize) -> Bands {
+    Bands::new(n).unwrap()
+}
+
+fn light(spec: &str) -> Light {
+    Light::parse(spec).unwrap()
+}
+
+fn refusal(spec: &str) -> String {
+    let line = Light::parse(spec).unwrap_err().to_string();
+    assert!(!line.contains('\n'), "{line}");
+    line
+}
+
+/// A probe of arbitrary, uneven texels.
+fn checkered(layout: LayoutWord, width: usize, height: usize) -> Light {
+    let texel = |i: usize| {
+        [
+            ((i * 7919) % 13) as f32,
+            ((i * 104_729) % 7) as f32 * 0.5,
+            if i.is_multiple_of(5) { 30.0 } else { 0.0 },
+        ]
+    };
+    let image = Image { width, height, pixels: (0..width * height).map(texel).collect() };
+    Light::of(Source::Probe(
+        Probe::new(Decoded { image, ..Decoded::default() }, Some(layout)).unwrap().into(),
+    ))
+}
+
+fn every_kind() -> Vec<(&'static str, Light)> {
+    let coeffs = light("disc?dir=1,2,3&angle=50").project(bands(4)).unwrap();
+    vec![
+        ("white", light("white")),
+        ("disc", light("disc?dir=0.2,1,-0.4&angle=20&color=1,0.5,0.25")),
+        ("overcast", light("sky:overcast?ground=0.3")),
+        ("clear", light("sky:clear?sun=35,120")),
+        ("lat-long", checkered(LayoutWord::LatLong, 32, 16)),
+        ("angular", checkered(LayoutWord::Angular, 25, 25)),
+        ("mirror", checkered(LayoutWord::Mirror, 24, 24)),
+        ("cross", checkered(LayoutWord::Cross, 24, 32)),
+        ("cube", checkered(LayoutWord::Cube, 8, 48)),
+        ("coefficients", Light::of(Source::Coeffs(coeffs.into()))),
+        ("sum", light("white?intensity=0.1+disc?dir=0,1,0&angle=1&intensity=100+sky:cie7?sun=10,-30")),
+    ]
+}
+
+fn largest(coeffs: &LightCoeffs) -> f32 {
+    coeffs.channels.iter().flatten().fold(0f32, |most, c| most.max(c.abs()))
+}
+
+fn assert_close(actual: &LightCoeffs, expected: &LightCoeffs, tolerance: f32, what: &str) {
+    let scale = largest(expected);
+    for (a, e) in actual.channels.iter().flatten().zip(expected.channels.iter().flatten()) {
+        assert!((a - e).abs() <= tolerance * scale, "{what}: {a} {e} of {scale}");
+    }
+}
+
+/// Points of the unit square that fill it evenly. [Roberts 2018] "The Unreasonable Effectiveness of Quasirandom Sequences"
+fn points(count: usize) -> impl Iterator<Item = [f32; 2]> {
+    (0..count).map(|i| {
+        [0.754_877_666_246_693, 0.569_840_290_998_053].map(|a: f64| ((0.5 + a * i as f64).fract()) as f32)
+    })
+}
+
+#[test]
+fn white_and_disc_have_their_closed_forms() {
+    let white = light("white?intensity=3&color=1,2,0").project(bands(5)).unwrap();
+    let first = (4.0 * PI).sqrt();
+    assert_eq!(white.channels.each_ref().map(|c| c[0]), [(3.0 * first) as f32, (6.0 * first) as f32, 0.0]);
+    assert!(white.channels.iter().all(|c| c[1..].iter().all(|&x| x == 0.0)));
+
+    let Some(path) = data::data("reference/cap_disc_light_zh.json") else { return };
+    let file: serde_json::Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
+    for entry in file["values"].as_array().unwrap() {
+        let angle = entry["half_angle_deg"].as_f64().unwrap();
+        let Ok(disc) = Light::parse(&format!("disc?dir=0,0,2&angle={angle}")) else { panic!("{angle}") };
+        let coeffs = disc.project(bands(16)).unwrap();
+        let zonal: Vec<f64> = entry["zh"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+        let most = zonal.iter().fold(0f64, |most, z| most.max(z.abs()));
+        for (l, expected) in zonal.iter().enumerate() {
+            let actual = f64::from(coeffs.channels[1][l * (l + 1)]);
+            assert!((actual - expected).abs() <= 2e-7 * most, "{angle}° l {l}: {actual} {expected}");
+        }
+    }
+}
+
+#[test]
+fn skies_give_an_open_plane_the_irradiance_of_white() {
+    // ∫ L cos θ of the sky alone, by samples of its own kind: the ground's light does not reach a plane that looks up.
+    let words =
+        (1..=15).map(|n| format!("sky:cie{n}{}", if [1, 3, 5].contains(&n) { "" } else { "?sun=40,10" }));
+    for word in words.chain(["sky:overcast".into(), "sky:clear?sun=0,0".into(), "sky:clear?sun=90,0".into()])
+    {
+        let sky = light(&word);
+        let count = 200_000;
+        let sum: f64 = points(count)
+            .map(|[u, v]| {
+                // Cosine-distributed directions around +y.
+                let (radius, angle) = (u.sqrt(), std::f32::consts::TAU * v);
+                let direction = Vec3::new(radius * angle.cos(), (1.0 - u).sqrt(), radius * angle.sin());
+                f64::from(sky.radiance(direction).x)
+            })
+            .sum();
+        let over_pi = sum / count as f64;
+        // Quasi-random points over the sun's peak of up to 20: measured 3e-4.
+        assert!((over_pi - 1.0).abs() <= 1e-3, "{word}: {over_pi}");
+    }
+}
+
+#[test]
+fn skies_have_the_ratios_of_their_formulas() {
+    let overcast = light("sky:overcast");
+    let (zenith, horizon) = (overcast.radiance(Vec3::Y).x, overcast.radiance(Vec3::new(1.0, 1e-6, 0.0)).x);
+    // ∫ (1 + 2 sin γ)/3 sin γ dω = 7π/9.
+    assert!((zenith - 9.0 / 7.0).abs() <= 1e-5 && (horizon - 3.0 / 7.0).abs() <= 1e-5, "{zenith} {horizon}");
+
+    // Kittler's formula with the sun at the zenith: f(0) φ(0) over f(60°) φ(60°).
+    let clear = light("sky:clear?sun=90,0&ground=0.5");
+    let f = |x: f64| 1.0 + 10.0 * ((-3.0 * x).exp() - (-1.5 * PI).exp()) + 0.45 * x.cos().powi(2);
+    let phi = |z: f64| 1.0 - (-0.32 / z.cos()).exp();
+    let expected = f(0.0) * phi(0.0) / (f(PI / 3.0) * phi(PI / 3.0));
+    let away = Vec3::new((PI / 3.0).sin() as f32, 0.5, 0.0);
+    let actual = f64::from(clear.radiance(Vec3::Y).x) / f64::from(clear.radiance(away).x);
+    assert!((actual / expected - 1.0).abs() <= 1e-5, "{actual} {expected}");
+    assert_eq!(clear.radiance(Vec3::new(0.3, -0.1, 0.0)), Vec3::splat(0.5));
+
+    // Azimuth turns from +z towards +x.
+    for (azimuth, direction) in [(0, Vec3::Z), (90, Vec3::X), (180, Vec3::NEG_Z), (-90, Vec3::NEG_X)] {
+        let sky = light(&format!("sky:clear?sun=0,{azimuth}"));
+        let towards = |d: Vec3| sky.radiance(d + Vec3::Y * 1e-3).x;
+        for other in [Vec3::Z, Vec3::X, Vec3::NEG_Z, Vec3::NEG_X].into_iter().filter(|d| *d != direction) {
+            assert!(towards(direction) > 2.0 * towards(other), "{azimuth}");
+        }
+    }
+}
+
+#[test]
+fn projection_is_the_integral_of_radiance_times_basis() {
+    // By a fine lat-long grid with exact solid angles, which knows nothing of the parts' own projections.
+    let n = bands(5);
+    let grid = ylm::layout::Grid::new(ylm::layout::Layout::LatLong, 768, 384).unwrap();
+    for (name, light) in every_kind() {
+        let light = light.rotated(Quat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 2.0));
+        let pixels: Vec<[f32; 3]> = (0..768 * 384)
+            .map(|i| {
+                let direction = grid.direction(i % 768, i / 768).unwrap();
+                light.radiance(Vec3::from_array(direction.map(|x| x as f32))).to_array()
+            })
+            .collect();
+        let channels = ylm::layout::project_image(&grid, &pixels, n).unwrap();
+        let expected = LightCoeffs { bands: n, channels };
+        let actual = light.project(n).unwrap();
+        // The grid steps over the edges of texels and discs: 1/768 of a turn, on 1° discs 2e-2.
+        let tolerance = if name == "sum" { 2e-2 } else { 3e-3 };
+        assert_close(&actual, &expected, tolerance, name);
+    }
+}
+
+#[test]
+fn skies_project_to_three_millionths() {
+    // Two and a half times the nodes in elevation, thrice in azimuth, turned so that none repeats; each half-sphere by itself.
+    for word in ["sky:clear?sun=35,120", "sky:cie15?sun=3,77", "sky:overcast", "sky:cie13?sun=89,1"] {
+        let sky = light(word);
+        let n = bands(6);
+        let actual = sky.project(n).unwrap();
+        let (nodes, weights) = ylm::quadrature::gauss_legendre(500);
+        let azimuths = 1531;
+        let mut sums = vec![0.0; n.coeff_count()];
+        let mut harmonics = vec![0.0; azimuths * n.coeff_count()];
+        for (x, weight) in nodes.iter().zip(&weights) {
+            for y in [0.5 + 0.5 * x, -0.5 - 0.5 * x] {
+                let radius = (1.0 - y * y).sqrt();
+                let direction = |i: usize| {
+                    let phi = 0.123 + std::f64::consts::TAU * i as f64 / azimuths as f64;
+                    [radius * phi.sin(), y, radius * phi.cos()]
+                };
+                let directions: Vec<[f64; 3]> = (0..azimuths).map(direction).collect();
+                ylm::basis::basis(&directions, n, &mut harmonics).unwrap();
+                for (direction, harmonics) in directions.iter().zip(harmonics.chunks_exact(n.coeff_count())) {
+                    let radiance = sky.radiance(Vec3::from_array(direction.map(|x| x as f32))).x;
+                    let factor = 0.5 * weight * std::f64::consts::TAU / azimuths as f64 * f64::from(radiance);
+                    sums.iter_mut().zip(harmonics).for_each(|(sum, y)| *sum += factor * y);
+                }
+            }
+        }
+        let most = sums.iter().fold(0f64, |most, c| most.max(c.abs()));
+        let mut worst = 0f64;
+        for (actual, expected) in actual.channels[0].iter().zip(&sums) {
+            worst = worst.max((f64::from(*actual) - expected).abs() / most);
+        }
+        println!("{word}: {worst:e}");
+        assert!(worst <= 3e-6, "{word}: {worst:e}");
+    }
+}
+
+#[test]
+fn turning_a_light_turns_its_projection() {
+    let turn = Quat::from_euler(glam::EulerRot::ZYX, 1.0, 0.4, -2.2);
+    for (name, light) in every_kind() {
+        let direct = light.rotated(turn).project(bands(6)).unwrap();
+        let after = light.project(bands(6)).unwrap().rotated(turn).unwrap();
+        // Rounding of f32 coefficients before the turn.
+        assert_close(&direct, &after, 1e-6, name);
+        let direction = Vec3::new(0.3, 0.5, -0.2);
+        let (a, b) = (light.rotated(turn).radiance(turn * direction), light.radiance(direction));
+        assert!((a - b).length() <= 1e-4 * b.length().max(1e-3), "{name}: {a} {b}");
+    }
+}
+
+#[test]
+fn a_sum_projects_to_the_sum() {
+    let (a, b) = ("disc?dir=1,0,0&angle=30&color=0,1,2", "sky:clear?sun=20,20&intensity=0.5");
+    let sum = light(&format!("{a}+{b}")).project(bands(5)).unwrap();
+    let (a, b) = (light(a), light(b));
+    let (pa, pb) = (a.project(bands(5)).unwrap(), b.project(bands(5)).unwrap());
+    for channel in 0..3 {
+        for i in 0..25 {
+            let expected = pa.channels[channel][i] + pb.channels[channel][i];
+            assert!((sum.channels[channel][i] - expected).abs() <= 1e-6);
+        }
+    }
+    let direction = Vec3::new(1.0, 0.1, 0.0);
+    assert_eq!(a.clone().plus(b.clone()).radiance(direction), a.radiance(direction) + b.radiance(direction));
+    assert_eq!(a.clone().scaled(Vec3::splat(2.0)).radiance(direction), 2.0 * a.radiance(direction));
+}
+
+#[test]
+fn projection_has_the_same_bits_for_any_number_of_threads() {
+    let light = checkered(LayoutWord::Cube, 16, 96).plus(light("sky:clear?sun=30,0"));
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| light.project(bands(6)).unwrap())
+    };
+    let one = with(1);
+    assert!([2, 3, 7].into_iter().all(|threads| with(threads) == one));
+}
+
+#[test]
+fn samples_have_the_density_that_they_claim() {
+    for (name, light) in every_kind() {
+        let light = light.rotated(Quat::from_euler(glam::EulerRot::XYZ, 0.7, 0.1, 1.0));
+        let sampler = light.sampler().unwrap();
+        // E[L / pdf] = ∫ L dω = √4π c_0, E[Y / pdf] = 0 for all but the first: one draw tests the density and the integral.
+        let exact = light.project(bands(3)).unwrap();
+        let count = 100_000;
+        let mut sums = [0.0; 9];
+        let mut squares = [0.0; 9];
+        let mut harmonics = vec![0.0; 9];
+        for u in points(count) {
+            let (direction, radiance, pdf) = sampler.sample(u);
+            assert!((direction.length() - 1.0).abs() <= 1e-6 && pdf.is_finite() && pdf >= 0.0);
+            assert!((sampler.pdf(direction) / pdf.max(1e-30) - 1.0).abs() <= 1e-3 || pdf < 1e-30, "{name}");
+            if pdf == 0.0 {
+                assert_eq!(radiance, Vec3::ZERO, "{name}");
+                continue;
+            }
+            assert_eq!(radiance, light.radiance(direction));
+            ylm::basis::basis_at(direction.as_dvec3().to_array(), bands(3), &mut harmonics).unwrap();
+            for i in 0..9 {
+                let value = f64::from(radiance.x) * harmonics[i] / f64::from(pdf);
+                sums[i] += value;
+                squares[i] += value * value;
+            }
+        }
+        for i in 0..9 {
+            let mean = sums[i] / count as f64;
+            let variance = (squares[i] / count as f64 - mean * mean).max(0.0);
+            // Four standard errors of independent samples; these are more even than that.
+            let tolerance = 4.0 * (variance / count as f64).sqrt() + 2e-4 * f64::from(largest(&exact));
+            let expected = f64::from(exact.channels[0][i]);
+            assert!((mean - expected).abs() <= tolerance, "{name} {i}: {mean} {expected} ± {tolerance}");
+        }
+    }
+}
+
+#[test]
+fn densities_integrate_to_one() {
+    for (name, light) in every_kind() {
+        let sampler = light.sampler().unwrap();
+        let count = 400_000;
+        let sum: f64 = points(count)
+            .map(|[u, v]| {
+                let (z, phi) = (1.0 - 2.0 * u, std::f32::consts::TAU * v);
+                let radius = (1.0 - z * z).max(0.0).sqrt();
+                f64::from(sampler.pdf(Vec3::new(radius * phi.cos(), radius * phi.sin(), z)))
+            })
+            .sum();
+        let integral = 4.0 * PI * sum / count as f64;
+        // Uniform points; the 1° disc of the sum is hit by 30 of them.
+        let tolerance = if name == "sum" { 0.1 } else { 5e-3 };
+        assert!((integral - 1.0).abs() <= tolerance, "{name}: {integral}");
+    }
+}
+
+#[test]
+fn every_lit_texel_is_drawn_in_proportion() {
+    // χ² over texels: independent draws of a small generator, compared with the share of light of each texel.
+    for (layout, width, height) in
+        [(LayoutWord::LatLong, 16, 8), (LayoutWord::Angular, 9, 9), (LayoutWord::Cube, 3, 18)]
+    {
+        let light = checkered(layout, width, height);
+        let Source::Probe(probe) = &light.parts()[0].source else { unreachable!() };
+        let sampler = light.sampler().unwrap();
+        let mut counts = vec![0u32; width * height];
+        let draws = 200_000;
+        let mut state = 1u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1u64 << 24) as f32
+        };
+        for _ in 0..draws {
+            let (direction, ..) = sampler.sample([uniform(), uniform()]);
+            let (x, y) = probe.grid().locate(direction.as_dvec3().to_array());
+            counts[y * width + x] += 1;
+        }
+        let weight = |i: usize| {
+            let [r, g, b] = probe.image().pixels[i].map(f64::from);
+            (0.2126 * r + 0.7152 * g + 0.0722 * b) * probe.grid().solid_angle(i % width, i / width)
+        };
+        let total: f64 = (0..width * height).map(weight).sum();
+        let (mut chi_squared, mut freedom) = (0.0, -1f64);
+        for (i, &count) in counts.iter().enumerate() {
+            let expected = weight(i) / total * f64::from(draws);
+            if expected >= 5.0 {
+                chi_squared += (f64::from(count) - expected).powi(2) / expected;
+                freedom += 1.0;
+                assert!(count > 0, "{layout:?} {i}");
+            } else if expected == 0.0 {
+                assert_eq!(count, 0, "{layout:?} {i}");
+            }
+        }
+        // Mean f, variance 2f: five standard deviations.
+        assert!(
+            chi_squared <= freedom + 5.0 * (2.0 * freedom).sqrt(),
+            "{layout:?}: {chi_squared} of {freedom}"
+        );
+    }
+}
+
+#[test]
+fn black_lights_are_sampled_without_harm() {
+    for word in ["white?intensity=0", "disc?dir=0,1,0&angle=5&color=0,0,0"] {
+        let sampler = light(word).sampler().unwrap();
+        let (direction, radiance, pdf) = sampler.sample([0.3, 0.9999]);
+        assert!(direction.is_normalized() && radiance == Vec3::ZERO && pdf > 0.0);
+    }
+}
+
+#[test]
+fn coefficients_survive_json() {
+    let coeffs = light("sky:clear?sun=35,120+disc?dir=1,1,0&angle=3&color=3,2,1").project(bands(6)).unwrap();
+    let text = serde_json::to_string(&coeffs.to_json("a test")).unwrap();
+    assert_eq!(LightCoeffs::from_json(&serde_json::from_str(&text).unwrap()).unwrap(), coeffs);
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("light.json");
+    std::fs::write(&path, text).unwrap();
+    let again = light(path.to_str().unwrap());
+    assert_eq!(again.project(bands(6)).unwrap(), coeffs);
+    let direction = Vec3::new(0.1, 2.0, 0.3);
+    assert_eq!(again.radiance(direction), coeffs.radiance(direction));
+    assert_eq!(again.project(bands(3)).unwrap(), coeffs.resized(bands(3)));
+    assert_eq!(again.project(bands(8)).unwrap().channels[0][36..], [0.0; 28]);
+    let windowed = coeffs.windowed(Window::Hann(6.0)).unwrap();
+    assert_eq!(windowed.channels[0][0], coeffs.channels[0][0]);
+    assert!(windowed.channels[0][35].abs() < coeffs.channels[0][35].abs());
+}
+
+#[test]
+fn false_json_is_refused_by_name() {
+    let good = light("white").project(bands(1)).unwrap().to_json("");
+    let with = |key: &str, value: serde_json::Value| {
+        let mut changed = good.clone();
+        changed[key] = value;
+        LightCoeffs::from_json(&changed).unwrap_err().to_string()
+    };
+    assert_eq!(with("bands", json!(0)), "\"bands\" is 0, expected a whole number from 1 to 256");
+    assert!(with("bands", json!(1e30)).contains("1e+30"));
+    assert_eq!(with("bands", json!(2)), "\"r\" has 1 values, expected an array of 4 numbers");
+    assert!(with("convention", json!("no phase")).contains("\"convention\" is \"no phase\""));
+    assert_eq!(
+        with("r", json!(["x"])),
+        "coefficient 0 of \"r\" is \"x\", expected a number in the range of f32"
+    );
+    assert!(with("g", json!([1e39])).contains("coefficient 0 of \"g\" is 1e+39"));
+    assert!(with("b", json!(null)).contains("\"b\" has null"));
+    assert!(with("alpha", json!(1)).contains("\"alpha\", which means nothing"));
+    let mut missing = good.clone();
+    missing.as_object_mut().unwrap().remove("g");
+    assert_eq!(LightCoeffs::from_json(&missing).unwrap_err().to_string(), "the light has no \"g\"");
+    assert_eq!(LightCoeffs::from_json(&json!([])).unwrap_err().to_string(), "the light is no JSON object");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deep.json");
+    std::fs::write(&path, "[".repeat(100_000)).unwrap();
+    assert!(refusal(path.to_str().unwrap()).contains("no JSON"));
+}
+
+#[test]
+fn words_that_are_no_light_are_refused_by_name() {
+    for (spec, words) in [
+        ("", "a light is missing; it is a file"),
+        ("white++white", "a light is missing"),
+        ("nowhere.hdr", "nowhere.hdr: "),
+        (
+            "sky:foggy",
+            "no sky \"foggy\"; there are overcast, clear, and the CIE standard skies cie1 to cie15",
+        ),
+        ("sky:cloudy?sun=1,2", "no sky \"cloudy\""),
+        ("sky:cie0", "no sky"),
+        ("sky:cie16", "no sky"),
+        ("sky:cie+1", "no sky"),
+        ("sky:clear", "light \"sky:clear\": it needs sun=elevation,azimuth in degrees"),
+        ("sky:clear?sun=91,0", "the sun's elevation is 91; it must be 0 to 90 degrees"),
+        ("sky:clear?sun=-1,0", "the sun's elevation is -1"),
+        ("sky:clear?sun=45", "sun=45, expected 2 numbers with commas"),
+        ("sky:clear?sun=45,1,2", "has more than 2 numbers"),
+        ("sky:overcast?sun=45,0", "no option \"sun\"; it takes ground, intensity, color"),
+        ("sky:overcast?ground=1.5", "the ground's albedo is 1.5"),
+        ("disc", "it needs dir=x,y,z"),
+        ("disc?dir=0,1,0", "it needs angle=degrees"),
+        ("disc?dir=0,0,0&angle=3", "a direction other than 0,0,0"),
+        ("disc?dir=0,1,0&angle=0", "it must be in (0°, 180°]"),
+        ("disc?dir=0,1,0&angle=181", "it must be in (0°, 180°]"),
+        ("disc?dir=0,1,nan&angle=1", "dir=0,1,nan, expected 3 numbers"),
+        ("disc?dir=0,1,0&angle=20&angle=30", "angle is given twice"),
+        ("disc?dir=0,1,0&angel=20", "it needs angle=degrees"),
+        ("disc?dir=0,1,0&angle=2&size=20", "no option \"size\"; it takes dir, angle, intensity, color"),
+        ("white?intensity", "\"intensity\" is no key=value"),
+        ("white?intensity=-1", "must not be negative"),
+        ("white?intensity=inf", "intensity=inf, expected a number"),
+        ("white?intensity=1e38&color=9,9,9", "beyond f32"),
+    ] {
+        let line = refusal(spec);
+        assert!(line.contains(words), "{spec}: {line}");
+    }
+}
+
+#[test]
+fn existing_files_win_over_other_readings_of_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, value: f32| {
+        let pixels: Vec<u8> = (0..4 * 4 * 3).flat_map(|_| value.to_le_bytes()).collect();
+        let path = folder.path().join(name);
+        std::fs::write(&path, pixels).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let plain = write("plain.float", 1.0);
+    let plus = write("a+b.float", 2.0);
+    let query = write("c?layout=mirror&d.float", 4.0);
+    let mean = |spec: &str| light(spec).radiance(Vec3::X).x;
+    assert_eq!(mean(&plus), 2.0);
+    assert_eq!(mean(&query), 4.0);
+    assert_eq!(mean(&format!("{plain}+{plus}+{query}")), 7.0);
+    assert_eq!(mean(&format!("{query}?layout=angular&intensity=2+{plus}?intensity=3+white")), 15.0);
+    let Source::Probe(probe) = &light(&format!("{plain}?layout=mirror")).parts()[0].source.clone() else {
+        unreachable!()
+    };
+    assert_eq!(probe.grid().layout(), ylm::layout::Layout::MirrorBall);
+    assert!(
+        refusal(&format!("{plain}?layout=spiral"))
+            .contains("no layout \"spiral\"; there are latlong, angular, cross, cube, mirror")
+    );
+    assert!(refusal(&format!("{plain}?layout=cube")).contains("it must be 1/6 for a column of cube faces"));
+}
+
+#[test]
+fn skies_out_of_range_are_refused() {
+    assert!(Sky::standard(0, Vec3::Y, 0.2).is_err() && Sky::standard(16, Vec3::Y, 0.2).is_err());
+    assert!(Sky::clear(Vec3::new(0.0, -0.1, 1.0), 0.2).is_err() && Sky::clear(Vec3::ZERO, 0.2).is_err());
+    assert!(Sky::overcast(-0.1).is_err() && Sky::overcast(f64::NAN).is_err());
+}
+
+#[test]
+fn coefficients_beyond_f32_are_refused() {
+    let line = light("white?intensity=3e38").project(bands(2)).unwrap_err().to_string();
+    assert!(line.contains("too bright"), "{line}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_words_panic(spec in "(white|disc|sky:[a-z0-9]{0,6}|[ -~]{0,8})(\\?[ -~]{0,30})?(\\+[ -~]{0,20})?") {
+        if let Ok(light) = Light::parse(&spec) {
+            prop_assert!(light.radiance(Vec3::Y).is_finite());
+        }
+    }
+}
