@@ -90,7 +90,7 @@ fn every_probe_has_the_size_mean_and_maximum_of_its_readme() {
         assert!(actual.brightest_share > 0.0 && actual.brightest_share < 1.0);
         count += 1;
     }
-    assert_eq!(count, 21);
+    assert_eq!(count, 20);
 }
 
 #[test]
