@@ -15,7 +15,7 @@ mod text;
 pub mod topology;
 mod triangulate;
 
-pub use bvh::{Bvh, Hit, Ray};
+pub use bvh::{Bvh, Directions, Hit, Ray, Vantage};
 pub use camera::{Camera, View};
 pub use mesh::{Mesh, Normals};
 pub use points::LightingPoints;

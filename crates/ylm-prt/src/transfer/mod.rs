@@ -1,1 +1,84 @@
 //! The bake: light-independent transfer of every lighting point.
+//!
+//! T_i(p) = ∫ V(p, ω) max(0, n·ω) Y_i(ω) dω, free of albedo: the dot product with the coefficients of a light is the
+//! irradiance at p. [Green03] "SH Lighting Diffuse Surfaces"
+
+mod order;
+mod samples;
+mod settings;
+mod shadowed;
+mod sum;
+mod unshadowed;
+
+pub use settings::{BakeSettings, TransferKind};
+
+use ylm::Bands;
+
+use crate::error::{Error, Result};
+use crate::scene::{Bvh, LightingPoints};
+
+/// Transfer of all lighting points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transfer {
+    /// Bands of each vector.
+    pub bands: Bands,
+    /// Row-major [point, n²].
+    pub vectors: Vec<f32>,
+}
+
+impl Transfer {
+    /// The transfer vector of each point.
+    pub fn rows(&self) -> impl ExactSizeIterator<Item = &[f32]> {
+        self.vectors.chunks_exact(self.bands.coeff_count())
+    }
+}
+
+/// Is told how a bake gets on; called from any thread.
+pub trait Progress: Sync {
+    /// `points` more are done, with `rays` rays. Called every few milliseconds.
+    fn advance(&self, points: usize, rays: u64);
+
+    /// Whether to stop: asked every few milliseconds of each thread's work.
+    fn is_cancelled(&self) -> bool;
+}
+
+/// Nobody watches, nobody cancels.
+impl Progress for () {
+    fn advance(&self, _points: usize, _rays: u64) {}
+
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// Bakes the transfer of all lighting points, in rayon's current pool.
+///
+/// The blockers in `bvh` may be another mesh than that of the points, or more. The same input and seed give the same
+/// bytes for any number of threads and on every instruction set.
+///
+/// Error: unshadowed, that of [`ylm::zonal::Zonal::rotate_batch`]. Shadowed, unbiased up to O(1/rays); where nothing is
+/// blocked the unshadowed transfer to rounding, where all is blocked 0, elsewhere the error falls like rays^(−3/4)
+/// (tests/transfer.rs).
+/// Cost: about `settings.rays` rays a point, and n² additions for at most half of them; memory for the result, and for
+/// sample sets of at most 1/8 of it or 64 KiB, whichever is more, or one set.
+///
+/// # Errors
+/// If shadowed transfer is asked for with no rays or a bias that is no length, or `progress` cancels.
+pub fn bake(
+    points: &LightingPoints,
+    bvh: &Bvh,
+    settings: &BakeSettings,
+    progress: &dyn Progress,
+) -> Result<Transfer> {
+    if points.normals.len() != points.positions.len() {
+        return Err(Error::Request(format!(
+            "{} positions have {} normals; each lighting point needs one",
+            points.positions.len(),
+            points.normals.len()
+        )));
+    }
+    match settings.kind {
+        TransferKind::Unshadowed => unshadowed::bake(points, settings, progress),
+        TransferKind::Shadowed => shadowed::bake(points, bvh, settings, progress),
+    }
+}

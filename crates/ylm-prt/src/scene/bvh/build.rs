@@ -32,7 +32,7 @@ pub fn build(positions: &[Vec3], triangles: &[[u32; 3]]) -> Bvh {
         pre_split: false,
         max_prims_per_leaf: 4,
         collapse_traversal_cost: 1.0,
-        ..BvhBuildParams::medium_build()
+        ..BvhBuildParams::very_slow_build()
     };
     let binary = build_bvh2_from_tris(&scaled, params, &mut Duration::default());
     let mut collapse = Collapse::new(&binary, &scaled);
@@ -41,7 +41,12 @@ pub fn build(positions: &[Vec3], triangles: &[[u32; 3]]) -> Bvh {
     } else {
         collapse.node(Subtree::Binary(0), 0);
     }
-    Bvh { nodes: collapse.nodes, blocks: collapse.blocks, scale, isa: Isa::best() }
+    let (low, high) = positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &p| {
+        let p = p * scale;
+        (low.min(p), high.max(p))
+    });
+    let diagonal = if positions.is_empty() { 0.0 } else { (high - low).length() };
+    Bvh { nodes: collapse.nodes, blocks: collapse.blocks, scale, diagonal, isa: Isa::best() }
 }
 
 /// Part of the scene that becomes one child.
@@ -96,6 +101,7 @@ impl<'a> Collapse<'a> {
                 node.bounds[axis + 3][lane] = high[axis];
             }
             node.children[lane] = child;
+            node.child_count += 1;
         }
         index as u32
     }

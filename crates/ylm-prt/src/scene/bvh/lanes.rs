@@ -1,6 +1,6 @@
 //! A vector of eight numbers, for each instruction set.
 //!
-//! Invariant: `Avx2` is only ever named by [`Isa`]'s dispatch, and [`Isa::Avx2`] only ever comes from detection. That is
+//! Invariant: `Avx2` is only ever named by [`Isa`]'s dispatch, and an [`Isa`] above portable only ever comes from detection. That is
 //! what makes the safe methods of [`Lanes`] sound.
 
 use super::node::WIDTH;
@@ -13,6 +13,9 @@ pub enum Isa {
     /// 256 bits and FMA.
     #[cfg(target_arch = "x86_64")]
     Avx2,
+    /// 256 bits too, with the 32 registers and the masks of AVX-512.
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
 }
 
 impl Isa {
@@ -25,6 +28,10 @@ impl Isa {
             && is_x86_feature_detected!("bmi1")
         {
             available.push(Isa::Avx2);
+            let avx512 = is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl");
+            if avx512 && is_x86_feature_detected!("avx512dq") {
+                available.push(Isa::Avx512);
+            }
         }
         available
     }
@@ -52,6 +59,8 @@ pub trait Lanes: Copy {
     fn le(self, other: Self) -> u32;
     /// Bit i: the lanes differ.
     fn ne(self, other: Self) -> u32;
+    /// Bit r of result c: bit c of byte r.
+    fn transpose(bytes: &[u8; 64]) -> [u64; WIDTH];
 }
 
 /// Plain arrays.
@@ -118,6 +127,23 @@ impl Lanes for Portable {
     #[inline(always)]
     fn ne(self, other: Self) -> u32 {
         self.bits(other, |a, b| a != b)
+    }
+    #[inline(always)]
+    fn transpose(bytes: &[u8; 64]) -> [u64; WIDTH] {
+        let mut columns = [0; WIDTH];
+        for (group, eight) in bytes.chunks_exact(8).enumerate() {
+            // Swaps bits, pairs and quads across the diagonal. [Warren 2012] "Hacker's Delight", 7-3
+            let mut x = u64::from_le_bytes(eight.try_into().expect("eight bytes"));
+            for (shift, mask) in [(7, 0x00aa_00aa_00aa_00aa), (14, 0x0000_cccc_0000_cccc), (28, 0xf0f0_f0f0)]
+            {
+                let swap = (x ^ (x >> shift)) & mask;
+                x ^= swap ^ (swap << shift);
+            }
+            for (column, byte) in columns.iter_mut().zip(x.to_le_bytes()) {
+                *column |= u64::from(byte) << (8 * group);
+            }
+        }
+        columns
     }
 }
 
@@ -193,6 +219,22 @@ mod x86 {
         fn ne(self, other: Self) -> u32 {
             // SAFETY: above.
             unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_NEQ_UQ>(self.0, other.0)) as u32 }
+        }
+        #[inline(always)]
+        fn transpose(bytes: &[u8; 64]) -> [u64; WIDTH] {
+            // SAFETY: above.
+            unsafe {
+                let low = _mm256_loadu_si256(bytes.as_ptr().cast());
+                let high = _mm256_loadu_si256(bytes.as_ptr().add(32).cast());
+                let mut columns = [0; WIDTH];
+                for c in 0..WIDTH {
+                    let shift = _mm_cvtsi32_si128(7 - c as i32);
+                    let low = _mm256_movemask_epi8(_mm256_sll_epi64(low, shift)) as u32;
+                    let high = _mm256_movemask_epi8(_mm256_sll_epi64(high, shift)) as u32;
+                    columns[c] = u64::from(low) | u64::from(high) << 32;
+                }
+                columns
+            }
         }
     }
 }

@@ -8,12 +8,14 @@
 //! neither overflow nor lose precision.
 
 mod build;
+mod bundle;
 mod lanes;
 mod node;
 mod traverse;
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
+pub use self::bundle::Directions;
 use self::lanes::Isa;
 use self::node::{Node, TriangleBlock};
 use self::traverse::LocalRay;
@@ -38,6 +40,17 @@ impl Ray {
     }
 }
 
+/// A vertex that looks around.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vantage {
+    /// World position.
+    pub position: Vec3,
+    /// Unit normal.
+    pub normal: Vec3,
+    /// How far along the normal rays start, in diagonals of the scene's bounding box.
+    pub bias: f32,
+}
+
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
@@ -60,6 +73,8 @@ pub struct Bvh {
     blocks: Vec<TriangleBlock>,
     /// Power of two that takes world coordinates to those of the nodes.
     scale: f32,
+    /// Of the bounding box, in the coordinates of the nodes.
+    diagonal: f32,
     isa: Isa,
 }
 
@@ -89,6 +104,26 @@ impl Bvh {
     pub fn occluded_around(&self, ray: &Ray, corner: Vec3) -> bool {
         LocalRay::new(ray, self.scale)
             .is_some_and(|ray| traverse::occluded(self, &ray, Some(corner * self.scale)))
+    }
+
+    /// Which of many directions from a vertex are blocked: sets their bits in `blocked`, clears the others.
+    ///
+    /// A direction d of the set is `world_from_local` · d in the world, at unit length. The ray starts off the surface
+    /// by the bias and has no end. Triangles around the vertex, those with a corner exactly there, do not count, unless
+    /// they rise above its tangent plane: the walls of a crease block, the surface itself does not.
+    ///
+    /// Shapes: `blocked` [`Directions::word_count`] words, bit i % 64 of word i / 64 for direction i; bits beyond are 0.
+    /// Cost: per ray a half to a third of [`Bvh::occluded`] if neighbours in the set are neighbours on the sphere.
+    ///
+    /// [Green03] "SH Lighting Diffuse Surfaces"
+    pub fn blocked(
+        &self,
+        vantage: &Vantage,
+        world_from_local: &Mat3,
+        directions: &Directions,
+        blocked: &mut [u64],
+    ) {
+        bundle::blocked(self, vantage, world_from_local, directions, blocked);
     }
 
     /// Memory held.

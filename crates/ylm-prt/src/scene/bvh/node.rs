@@ -22,13 +22,15 @@ pub struct Node {
     pub bounds: [[f32; WIDTH]; 6],
     /// Index of a node, or [`LEAF`] and index of a block.
     pub children: [u32; WIDTH],
+    /// How many children there are; they stand first.
+    pub child_count: u32,
 }
 
 impl Node {
     /// No child.
     pub const EMPTY: Self = {
         let (low, high) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
-        Self { bounds: [low, low, low, high, high, high], children: [0; WIDTH] }
+        Self { bounds: [low, low, low, high, high, high], children: [0; WIDTH], child_count: 0 }
     };
 }
 

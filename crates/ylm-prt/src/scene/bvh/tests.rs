@@ -2,10 +2,10 @@
 
 use std::f32::consts::PI;
 
-use glam::{DVec3, Quat, Vec3, vec3};
+use glam::{DVec3, Mat3, Quat, Vec3, vec3};
 
 use super::lanes::Isa;
-use super::{Bvh, Hit, Ray};
+use super::{Bvh, Directions, Hit, Ray, Vantage};
 
 /// Positions and triangles.
 type Soup = (Vec<Vec3>, Vec<[u32; 3]>);
@@ -308,6 +308,78 @@ fn triangles_around_a_corner_do_not_occlude_its_rays() {
         for &corner in &positions {
             let ray = Ray { t_min: -1.0, t_max: 0.2, ..Ray::new(corner * 1.1, -corner) };
             assert!(bvh.occluded(&ray) && !bvh.occluded_around(&ray, corner));
+        }
+    }
+}
+
+/// The blocked directions of a vantage, one by one.
+fn blocked(bvh: &Bvh, vantage: &Vantage, frame: &Mat3, directions: &[Vec3]) -> Vec<bool> {
+    let set = Directions::new(directions);
+    let mut words = vec![u64::MAX; set.word_count()];
+    bvh.blocked(vantage, frame, &set, &mut words);
+    let beyond = (directions.len()..64 * words.len()).filter(|i| words[i / 64] >> (i % 64) & 1 == 1).count();
+    assert_eq!(beyond, 0, "bits beyond the directions are clear");
+    (0..directions.len()).map(|i| words[i / 64] >> (i % 64) & 1 == 1).collect()
+}
+
+#[test]
+fn bundles_hit_what_single_rays_hit() {
+    let mut numbers = Numbers(5);
+    for soup in [sphere(12), scattered(400, 0.2, &mut numbers), scattered(3000, 0.02, &mut numbers)] {
+        let bvhs = every_isa(&soup);
+        for count in [0, 1, 63, 64, 65, 300] {
+            let directions: Vec<Vec3> = (0..count).map(|_| numbers.direction()).collect();
+            let turn = Mat3::from_quat(Quat::from_xyzw(0.3, 0.1, -0.7, 0.4).normalize());
+            for frame in [Mat3::IDENTITY, turn] {
+                let vantage = Vantage { position: 1.2 * numbers.point(), normal: Vec3::Y, bias: 0.0 };
+                let found: Vec<Vec<bool>> =
+                    bvhs.iter().map(|bvh| blocked(bvh, &vantage, &frame, &directions)).collect();
+                assert!(found.iter().all(|f| *f == found[0]), "every instruction set finds the same");
+                for (&local, &found) in directions.iter().zip(&found[0]) {
+                    let ray = Ray::new(vantage.position, frame * local);
+                    // The same test; only the direction may be rounded otherwise, off the identity.
+                    let single = bvhs[0].occluded(&ray);
+                    assert!(frame != Mat3::IDENTITY || single == found, "{ray:?}");
+                    let corners = |triangle: &[u32; 3]| triangle.map(|i| soup.0[i as usize]);
+                    let verdicts: Vec<Verdict> =
+                        soup.1.iter().map(|triangle| verdict(&ray, corners(triangle), 1e-4)).collect();
+                    let is_hit = verdicts.iter().any(|v| matches!(v, Verdict::Hit(_)));
+                    assert!(found == is_hit || verdicts.contains(&Verdict::Unclear), "{ray:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn bundles_do_not_leak_through_a_closed_mesh() {
+    let (positions, triangles) = sphere(16);
+    let vantage = Vantage { position: vec3(0.2, -0.3, 0.1), normal: Vec3::X, bias: 0.0 };
+    let mut directions = Vec::new();
+    for triangle in &triangles {
+        let [a, b, c] = triangle.map(|i| positions[i as usize] - vantage.position);
+        directions.extend([a, b, c, a + b, b + c, c + a].map(Vec3::normalize));
+    }
+    for bvh in every_isa(&(positions, triangles)) {
+        assert!(blocked(&bvh, &vantage, &Mat3::IDENTITY, &directions).into_iter().all(|blocked| blocked));
+    }
+}
+
+#[test]
+fn a_vertex_is_not_blocked_by_its_own_surface_but_by_walls_around_it() {
+    // A fan around the origin whose rim is at height `rise`, open below.
+    for (rise, sees_up, sees_low) in [(-0.5, true, true), (0.0, true, true), (1.0, true, false)] {
+        let rim = (0..6).map(|i| (i as f32 * PI / 3.0).sin_cos()).map(|(s, c)| vec3(s, rise, c));
+        let positions: Vec<Vec3> = [Vec3::ZERO].into_iter().chain(rim).collect();
+        let triangles: Vec<[u32; 3]> = (0..6).map(|i| [0, 1 + i, 1 + (i + 1) % 6]).collect();
+        let low = (0..40).map(|i| (i as f32 * 0.9).sin_cos()).map(|(s, c)| vec3(s, 0.02, c).normalize());
+        let directions: Vec<Vec3> = low.collect();
+        let vantage = Vantage { position: Vec3::ZERO, normal: Vec3::Y, bias: 1e-5 };
+        for bvh in every_isa(&(positions, triangles)) {
+            let up = blocked(&bvh, &vantage, &Mat3::IDENTITY, &[Vec3::Y, vec3(0.1, 0.99, -0.1).normalize()]);
+            assert!(up.iter().all(|&blocked| blocked != sees_up), "rise {rise}");
+            let low = blocked(&bvh, &vantage, &Mat3::IDENTITY, &directions);
+            assert!(low.iter().all(|&blocked| blocked != sees_low), "rise {rise}: {low:?}");
         }
     }
 }

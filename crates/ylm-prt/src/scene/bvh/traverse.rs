@@ -14,14 +14,14 @@ use super::{Bvh, Hit, Ray};
 
 /// Components of the direction smaller than this times the largest are taken as this for boxes: over the extent of the
 /// scene that moves the ray by far less than the boxes are padded.
-const MIN_COMPONENT: f32 = 1.0 / (1u64 << 40) as f32;
+pub const MIN_COMPONENT: f32 = 1.0 / (1u64 << 40) as f32;
 
 /// Boxes are padded by this much of the coordinates at hand: sixteen roundings. A box test has three (plane · inverse −
 /// origin · inverse, the inverse itself), a hit lies within four of its triangle (difference to the origin, shear).
-const PAD: f32 = 16.0 * 0.5 * f32::EPSILON;
+pub const PAD: f32 = 16.0 * 0.5 * f32::EPSILON;
 
 /// Origins farther away than this many scene extents see nothing: f32 no longer tells the scene from a point.
-const MAX_ORIGIN: f32 = (1u64 << 60) as f32;
+pub const MAX_ORIGIN: f32 = (1u64 << 60) as f32;
 
 /// A ray in the coordinates of the nodes, with what both tests need of it.
 pub struct LocalRay {
@@ -88,9 +88,12 @@ pub fn power_of_two_below(value: f32) -> f32 {
 pub fn closest(bvh: &Bvh, ray: &LocalRay) -> Option<Hit> {
     match bvh.isa {
         Isa::Portable => closest_in::<Portable>(bvh, ray),
-        // SAFETY: `Isa::available` made this after detecting the features.
+        // SAFETY: `Isa::available` made these after detecting the features.
         #[cfg(target_arch = "x86_64")]
         Isa::Avx2 => unsafe { closest_avx2(bvh, ray) },
+        // SAFETY: as above.
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx512 => unsafe { closest_avx512(bvh, ray) },
     }
 }
 
@@ -101,6 +104,9 @@ pub fn occluded(bvh: &Bvh, ray: &LocalRay, corner: Option<Vec3>) -> bool {
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
         Isa::Avx2 => unsafe { occluded_avx2(bvh, ray, corner) },
+        // SAFETY: as above.
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx512 => unsafe { occluded_avx512(bvh, ray, corner) },
     }
 }
 
@@ -120,38 +126,78 @@ unsafe fn occluded_avx2(bvh: &Bvh, ray: &LocalRay, corner: Option<Vec3>) -> bool
     occluded_in::<Avx2>(bvh, ray, corner)
 }
 
+/// # Safety
+/// The machine has AVX2, FMA, BMI1 and AVX-512 F, VL and DQ.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,avx512f,avx512vl,avx512dq")]
+unsafe fn closest_avx512(bvh: &Bvh, ray: &LocalRay) -> Option<Hit> {
+    closest_in::<Avx2>(bvh, ray)
+}
+
+/// # Safety
+/// The machine has AVX2, FMA, BMI1 and AVX-512 F, VL and DQ.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,avx512f,avx512vl,avx512dq")]
+unsafe fn occluded_avx512(bvh: &Bvh, ray: &LocalRay, corner: Option<Vec3>) -> bool {
+    occluded_in::<Avx2>(bvh, ray, corner)
+}
+
 #[inline(always)]
 fn occluded_in<V: Lanes>(bvh: &Bvh, ray: &LocalRay, corner: Option<Vec3>) -> bool {
     let boxes = BoxTest::<V>::new(ray);
     let test = TriangleTest::<V>::new(ray);
     let t_max = V::splat(ray.t_max);
-    let mut stack = Stack::new();
-    while let Some(child) = stack.pop() {
+    let mut stack = [MaybeUninit::<u32>::uninit(); STACK];
+    let mut height = 0;
+    let mut child = 0;
+    loop {
         if child & LEAF == 0 {
-            let node = &bvh.nodes[child as usize];
+            // SAFETY: children are indices of nodes, by construction.
+            let node = unsafe { bvh.nodes.get_unchecked(child as usize) };
             let (mut met, _) = boxes.meet(node, t_max);
-            while met != 0 {
-                stack.push(node.children[met.trailing_zeros() as usize]);
-                met &= met - 1;
-            }
-            continue;
-        }
-        let block = &bvh.blocks[(child & !LEAF) as usize];
-        if let Some(candidates) = test.intersect(block) {
-            let mut hit = candidates.within(V::splat(ray.t_min), t_max);
-            let Some(corner) = corner else {
-                if hit != 0 {
-                    return true;
+            if met != 0 {
+                // SAFETY: a lane is below WIDTH; the stack holds WIDTH − 1 entries of each level at most.
+                unsafe {
+                    child = *node.children.get_unchecked(met.trailing_zeros() as usize);
+                    met &= met - 1;
+                    while met != 0 {
+                        stack
+                            .get_unchecked_mut(height)
+                            .write(*node.children.get_unchecked(met.trailing_zeros() as usize));
+                        height += 1;
+                        met &= met - 1;
+                    }
                 }
                 continue;
-            };
-            while hit != 0 {
-                if !block.touches(hit.trailing_zeros() as usize, corner.to_array()) {
+            }
+        } else {
+            // SAFETY: children flagged so are indices of blocks, by construction.
+            let block = unsafe { bvh.blocks.get_unchecked((child & !LEAF) as usize) };
+            if let Some(candidates) = test.intersect(block) {
+                let hit = candidates.within(V::splat(ray.t_min), t_max);
+                if hit != 0 && counts(block, hit, corner) {
                     return true;
                 }
-                hit &= hit - 1;
             }
         }
+        if height == 0 {
+            return false;
+        }
+        height -= 1;
+        // SAFETY: entries below the height were written.
+        child = unsafe { stack.get_unchecked(height).assume_init() };
+    }
+}
+
+/// Whether one of the triangles `hit` of a block does not touch `corner`.
+#[inline(never)]
+pub fn counts(block: &TriangleBlock, mut hit: u32, corner: Option<Vec3>) -> bool {
+    let Some(corner) = corner else { return true };
+    while hit != 0 {
+        if !block.touches(hit.trailing_zeros() as usize, corner.to_array()) {
+            return true;
+        }
+        hit &= hit - 1;
     }
     false
 }
@@ -264,13 +310,14 @@ struct BoxTest<V> {
 impl<V: Lanes> BoxTest<V> {
     #[inline(always)]
     fn new(ray: &LocalRay) -> Self {
-        let backward = ray.inverse.map(|i| i.is_sign_negative());
+        let row =
+            |axis: usize, far: usize| axis + 3 * (usize::from(ray.inverse[axis].is_sign_negative()) ^ far);
         Self {
-            inverse: ray.inverse.map(V::splat),
-            near: ray.near.map(V::splat),
-            far: ray.far.map(V::splat),
-            near_rows: std::array::from_fn(|axis| if backward[axis] { axis + 3 } else { axis }),
-            far_rows: std::array::from_fn(|axis| if backward[axis] { axis } else { axis + 3 }),
+            inverse: splat3(ray.inverse),
+            near: splat3(ray.near),
+            far: splat3(ray.far),
+            near_rows: [row(0, 0), row(1, 0), row(2, 0)],
+            far_rows: [row(0, 1), row(1, 1), row(2, 1)],
             t_min: V::splat(ray.t_min),
         }
     }
@@ -278,15 +325,25 @@ impl<V: Lanes> BoxTest<V> {
     /// Which boxes the ray meets before `t_max`, and where it enters them.
     #[inline(always)]
     fn meet(&self, node: &Node, t_max: V) -> (u32, V) {
-        let plane = |row: usize, axis: usize, origin: &[V; 3]| {
-            V::load(&node.bounds[row]).mul_sub(self.inverse[axis], origin[axis])
-        };
-        let near = |axis: usize| plane(self.near_rows[axis], axis, &self.near);
-        let far = |axis: usize| plane(self.far_rows[axis], axis, &self.far);
-        let begin = near(0).max(near(1)).max(near(2).max(self.t_min));
-        let end = far(0).min(far(1)).min(far(2).min(t_max));
+        let begin = self.near(node, 0).max(self.near(node, 1)).max(self.near(node, 2).max(self.t_min));
+        let end = self.far(node, 0).min(self.far(node, 1)).min(self.far(node, 2).min(t_max));
         (begin.le(end), begin)
     }
+
+    #[inline(always)]
+    fn near(&self, node: &Node, axis: usize) -> V {
+        V::load(&node.bounds[self.near_rows[axis]]).mul_sub(self.inverse[axis], self.near[axis])
+    }
+
+    #[inline(always)]
+    fn far(&self, node: &Node, axis: usize) -> V {
+        V::load(&node.bounds[self.far_rows[axis]]).mul_sub(self.inverse[axis], self.far[axis])
+    }
+}
+
+#[inline(always)]
+fn splat3<V: Lanes>(values: [f32; 3]) -> [V; 3] {
+    [V::splat(values[0]), V::splat(values[1]), V::splat(values[2])]
 }
 
 /// One ray against eight triangles.
@@ -297,7 +354,7 @@ struct TriangleTest<V> {
 }
 
 /// Triangles of a block that the line of the ray passes through, some of them.
-struct Candidates<V> {
+pub struct Candidates<V> {
     mask: u32,
     t: V,
     /// Unnormalised weights of the second and third corner.
@@ -310,42 +367,65 @@ struct Candidates<V> {
 impl<V: Lanes> TriangleTest<V> {
     #[inline(always)]
     fn new(ray: &LocalRay) -> Self {
+        let [x, y, z] = ray.axes;
         Self {
-            origin: ray.axes.map(|axis| V::splat(ray.origin[axis])),
+            origin: splat3([ray.origin[x], ray.origin[y], ray.origin[z]]),
             axes: ray.axes,
-            shear: ray.shear.map(V::splat),
+            shear: splat3(ray.shear),
         }
     }
 
-    /// The corners are sheared so that the ray runs along the longest axis of its direction; then signs of 2D edge
-    /// functions decide. They are right or zero, never wrong: products round monotonically and are not fused with the
-    /// difference. Zero counts as inside for both triangles of an edge, so nothing leaks between them.
     #[inline(always)]
     fn intersect(&self, block: &TriangleBlock) -> Option<Candidates<V>> {
-        let corner = |first: usize| {
-            let relative = |i: usize| V::load(&block.corners[first + self.axes[i]]).sub(self.origin[i]);
-            let z = relative(2);
-            [relative(0).sub(self.shear[0].mul(z)), relative(1).sub(self.shear[1].mul(z)), z]
-        };
-        let (a, b, c) = (corner(0), corner(3), corner(6));
-        let edge = |p: &[V; 3], q: &[V; 3]| p[0].mul(q[1]).sub(p[1].mul(q[0]));
-        let (u, v, w) = (edge(&c, &b), edge(&a, &c), edge(&b, &a));
-        let zero = V::splat(0.0);
-        let det = u.add(v).add(w);
-        let inside = zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero);
-        let mask = inside & det.ne(zero);
-        if mask == 0 {
-            return None;
-        }
-        let z = u.mul(a[2]).add(v.mul(b[2])).add(w.mul(c[2]));
-        Some(Candidates { mask, t: z.mul(self.shear[2]).div(det), v, w, det })
+        let (a, b, c) = (self.corner(block, 0), self.corner(block, 3), self.corner(block, 6));
+        inside(&a, &b, &c, self.shear[2], u32::MAX)
     }
+
+    /// The corners that begin at row `first`, relative to the origin and sheared.
+    #[inline(always)]
+    fn corner(&self, block: &TriangleBlock, first: usize) -> [V; 3] {
+        let [x, y, z] = self.axes;
+        let x = V::load(&block.corners[first + x]).sub(self.origin[0]);
+        let y = V::load(&block.corners[first + y]).sub(self.origin[1]);
+        let z = V::load(&block.corners[first + z]).sub(self.origin[2]);
+        sheared(x, y, z, self.shear[0], self.shear[1])
+    }
+}
+
+/// A corner relative to the ray's origin, sheared so that the ray runs along the third axis.
+#[inline(always)]
+pub fn sheared<V: Lanes>(x: V, y: V, z: V, shear_x: V, shear_y: V) -> [V; 3] {
+    [x.sub(shear_x.mul(z)), y.sub(shear_y.mul(z)), z]
+}
+
+/// Which of the triangles `lanes` with these sheared corners the ray's line passes through.
+///
+/// Signs of 2D edge functions decide. They are right or zero, never wrong: products round monotonically and are not
+/// fused with the difference. Zero counts as inside for both triangles of an edge, so nothing leaks between them.
+#[inline(always)]
+pub fn inside<V: Lanes>(a: &[V; 3], b: &[V; 3], c: &[V; 3], shear_z: V, lanes: u32) -> Option<Candidates<V>> {
+    let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
+    let zero = V::splat(0.0);
+    let det = u.add(v).add(w);
+    let inside = zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero);
+    let mask = inside & det.ne(zero) & lanes;
+    if mask == 0 {
+        return None;
+    }
+    let z = u.mul(a[2]).add(v.mul(b[2])).add(w.mul(c[2]));
+    Some(Candidates { mask, t: z.mul(shear_z).div(det), v, w, det })
+}
+
+/// Twice the signed area of the origin and two points.
+#[inline(always)]
+fn edge<V: Lanes>(p: &[V; 3], q: &[V; 3]) -> V {
+    p[0].mul(q[1]).sub(p[1].mul(q[0]))
 }
 
 impl<V: Lanes> Candidates<V> {
     /// Those with `t_min` ≤ t ≤ `t_max`.
     #[inline(always)]
-    fn within(&self, t_min: V, t_max: V) -> u32 {
+    pub fn within(&self, t_min: V, t_max: V) -> u32 {
         self.mask & t_min.le(self.t) & self.t.le(t_max)
     }
 }

@@ -1,0 +1,111 @@
+//! Cosine-weighted low-discrepancy directions around a normal, with their harmonics.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DVec3, Vec3};
+use ylm::Bands;
+use ylm::basis::basis;
+use ylm::zonal::Zonal;
+
+use super::order::hilbert_code;
+use super::sum::ROW_UNIT;
+use crate::error::Result;
+use crate::scene::Directions;
+
+/// Most sets of a bake; points choose among them.
+const MAX_SETS: usize = 16;
+
+/// Sets of directions in a frame whose z is the normal.
+///
+/// A set is a Fibonacci spiral on the unit disc, lifted to the hemisphere: point i of S at radius √((i + s)/S) and angle
+/// 2π i/φ, for any S; the offset s ∈ [0, 1) is what tells sets apart. Together with a random spin every direction of the
+/// cosine hemisphere is equally likely, so the estimate is free of bias.
+///
+/// [Vogel 1979] "A better way to construct the sunflower head"; [Malley 1988], lifted disc
+pub struct SampleSets {
+    sets: Vec<SampleSet>,
+}
+
+/// One set: directions along a Hilbert curve over the disc, and their harmonics.
+pub struct SampleSet {
+    /// The directions.
+    pub directions: Directions,
+    /// [direction, row width]: Y_i of each direction, plus what is missing of the mean so that it is the exact clamped
+    /// cosine / π; zeros beyond n².
+    pub harmonics: Vec<f32>,
+}
+
+impl SampleSets {
+    /// As many sets as stay within `budget_bytes`, at least one.
+    pub fn new(bands: Bands, rays: u32, seed: u64, budget_bytes: usize) -> Result<Self> {
+        let set_bytes = rays as usize * (row_width(bands) + 3) * size_of::<f32>();
+        let count = (budget_bytes / set_bytes).clamp(1, MAX_SETS);
+        let shift = unit(hash(seed));
+        let sets = (0..count).map(|k| SampleSet::new(bands, rays, (k as f64 + shift) / count as f64));
+        Ok(Self { sets: sets.collect::<Result<_>>()? })
+    }
+
+    /// The set of a point, and the angle by which it is spun about the normal.
+    pub fn choose(&self, seed: u64, point: u64) -> (&SampleSet, f64) {
+        let bits = hash(hash(seed ^ 0x5f35_6495_0dbc_9a17).wrapping_add(point));
+        let set = (((bits >> 32) * self.sets.len() as u64) >> 32) as usize;
+        (&self.sets[set], TAU * unit(hash(bits)))
+    }
+}
+
+impl SampleSet {
+    fn new(bands: Bands, rays: u32, offset: f64) -> Result<Self> {
+        let golden = (5f64.sqrt() - 1.0) / 2.0;
+        let mut directions: Vec<DVec3> = (0..rays)
+            .map(|i| {
+                let square = (f64::from(i) + offset) / f64::from(rays);
+                let (sin, cos) = (TAU * (f64::from(i) * golden).fract()).sin_cos();
+                DVec3::new(square.sqrt() * cos, square.sqrt() * sin, (1.0 - square).sqrt())
+            })
+            .collect();
+        directions.sort_by_cached_key(|d| hilbert_code(d.x as f32, d.y as f32));
+
+        let (width, row_width) = (bands.coeff_count(), row_width(bands));
+        let mut harmonics = vec![0.0f32; directions.len() * row_width];
+        let mut mean = vec![0.0f64; width];
+        let mut values = vec![0.0f64; 64 * width];
+        for (rows, chunk) in harmonics.chunks_mut(64 * row_width).zip(directions.chunks(64)) {
+            let arrays: Vec<[f64; 3]> = chunk.iter().map(|d| d.to_array()).collect();
+            let values = &mut values[..chunk.len() * width];
+            basis(&arrays, bands, values)?;
+            for (row, values) in rows.chunks_exact_mut(row_width).zip(values.chunks_exact(width)) {
+                for i in 0..width {
+                    row[i] = values[i] as f32;
+                    mean[i] += values[i] / f64::from(rays);
+                }
+            }
+        }
+        let mut exact = vec![0.0f64; width];
+        Zonal::clamped_cosine(bands).rotate([0.0, 0.0, 1.0], &mut exact)?;
+        for row in harmonics.chunks_exact_mut(row_width) {
+            for i in 0..width {
+                row[i] += (exact[i] / PI - mean[i]) as f32;
+            }
+        }
+        let directions: Vec<Vec3> = directions.iter().map(|d| d.as_vec3()).collect();
+        Ok(Self { directions: Directions::new(&directions), harmonics })
+    }
+}
+
+/// Numbers a row of harmonics takes.
+pub fn row_width(bands: Bands) -> usize {
+    bands.coeff_count().next_multiple_of(ROW_UNIT)
+}
+
+/// Mixes 64 bits. [Steele et al. 2014] "Fast splittable pseudorandom number generators", finaliser of SplitMix64
+fn hash(x: u64) -> u64 {
+    let mut z = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// A number in [0, 1).
+fn unit(bits: u64) -> f64 {
+    (bits >> 11) as f64 / (1u64 << 53) as f64
+}

@@ -1,0 +1,30 @@
+//! Transfer without occlusion, in closed form.
+
+use rayon::prelude::*;
+use ylm::zonal::Zonal;
+
+use super::{BakeSettings, Progress, Transfer};
+use crate::error::{Error, Result};
+use crate::scene::LightingPoints;
+
+/// Points that a thread does at once.
+const CHUNK: usize = 1024;
+
+/// The clamped cosine, rotated to every normal.
+pub fn bake(points: &LightingPoints, settings: &BakeSettings, progress: &dyn Progress) -> Result<Transfer> {
+    let width = settings.bands.coeff_count();
+    let cosine = Zonal::<f32>::clamped_cosine(settings.bands);
+    let mut vectors = vec![0.0; points.normals.len() * width];
+    vectors.par_chunks_mut(CHUNK * width).zip(points.normals.par_chunks(CHUNK)).try_for_each(
+        |(vectors, normals)| {
+            if progress.is_cancelled() {
+                return Err(Error::Interrupted);
+            }
+            let directions: Vec<[f32; 3]> = normals.iter().map(|normal| normal.to_array()).collect();
+            cosine.rotate_batch(&directions, vectors)?;
+            progress.advance(normals.len(), 0);
+            Ok(())
+        },
+    )?;
+    Ok(Transfer { bands: settings.bands, vectors })
+}
