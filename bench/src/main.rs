@@ -3,8 +3,11 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+mod basis;
 mod machine;
+mod rotate;
 mod table;
+mod timing;
 
 use table::Table;
 
@@ -19,7 +22,7 @@ pub struct Options {
 /// A bench: its name on the command line, and what runs it.
 type Bench = (&'static str, fn(&Options) -> Vec<Table>);
 
-const BENCHES: &[Bench] = &[];
+const BENCHES: &[Bench] = &[("basis", basis::run), ("rotate", rotate::run)];
 
 const USAGE: &str = "usage: ylm-bench TABLE [--json FILE] [--quick] [--out DIR]";
 

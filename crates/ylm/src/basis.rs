@@ -61,11 +61,11 @@ pub fn basis_at<T: Real>(direction: [T; 3], bands: Bands, out: &mut [T]) -> Resu
     check_length("out", out.len(), bands.coeff_count())?;
     let n = bands.count();
     if runs_natively::<T>(n) {
-        let points = Points::<T>::new(&[direction], 0)?;
+        let points = Points::<T>::of_one(direction)?;
         let mut planes = Planes { out, stride: 1, lane: 0, angle: [Single::splat(T::ZERO); 2] };
         visit::<T, Single<T>>(Table::of(n), n, &points, 0, &mut planes);
     } else {
-        let points = Points::<f64>::new(&[direction], 0)?;
+        let points = Points::<f64>::of_one(direction)?;
         let mut planes = Planes { out, stride: 1, lane: 0, angle: [Single::splat(0.0); 2] };
         visit::<f64, Single<f64>>(Table::of(n), n, &points, 0, &mut planes);
     }
@@ -96,7 +96,8 @@ impl<T: Real, C: Real> Kernel<C> for FillPlanes<'_, T> {
 
     #[inline(always)]
     fn run<V: Lanes<C>>(self) -> Result<()> {
-        let points = Points::<C>::new(self.directions, self.first)?;
+        let mut points = Points::<C>::new();
+        points.set(self.directions, self.first)?;
         let table = Table::of(self.n);
         for lane in (0..CHUNK).step_by(V::COUNT) {
             let mut planes =

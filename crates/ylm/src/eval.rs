@@ -18,10 +18,10 @@ pub fn eval<T: Real>(coeffs: &[T], direction: [T; 3]) -> Result<T> {
     let n = Bands::of_coeff_count(coeffs.len())?.count();
     let mut lanes = [T::ZERO];
     if runs_natively::<T>(n) {
-        let points = Points::<T>::new(&[direction], 0)?;
+        let points = Points::<T>::of_one(direction)?;
         sum_at::<T, T, Single<T>>(coeffs, n, &points, 0).store(&mut lanes);
     } else {
-        let points = Points::<f64>::new(&[direction], 0)?;
+        let points = Points::<f64>::of_one(direction)?;
         let mut wide = [0.0];
         sum_at::<T, f64, Single<f64>>(coeffs, n, &points, 0).store(&mut wide);
         lanes = wide.map(T::from_f64);
@@ -72,9 +72,10 @@ impl<T: Real, C: Real> Kernel<C> for EvalBatch<'_, T> {
 
     #[inline(always)]
     fn run<V: Lanes<C>>(self) -> Result<()> {
+        let mut points = Points::<C>::new();
         let blocks = self.directions.chunks(CHUNK).zip(self.out.chunks_mut(CHUNK)).enumerate();
         for (block, (directions, out)) in blocks {
-            let points = Points::<C>::new(directions, block * CHUNK)?;
+            points.set(directions, block * CHUNK)?;
             let mut sums = [C::ZERO; CHUNK];
             for lane in (0..CHUNK).step_by(V::COUNT) {
                 sum_at::<T, C, V>(self.coeffs, self.n, &points, lane).store(&mut sums[lane..]);

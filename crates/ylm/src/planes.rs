@@ -12,7 +12,10 @@ pub(crate) fn scatter<T: Real, V: Lanes<T>>(planes: &[T], width: usize, out: &mu
     if count == CHUNK {
         while coeff + 4 <= width {
             for lane in (0..CHUNK).step_by(V::COUNT) {
-                let rows = [0, 1, 2, 3].map(|r| V::load(&planes[(coeff + r) * CHUNK + lane..]));
+                let mut rows = [V::splat(T::ZERO); 4];
+                for r in 0..4 {
+                    rows[r] = V::load(&planes[(coeff + r) * CHUNK + lane..]);
+                }
                 V::store_transposed(rows, &mut out[lane * width + coeff..], width);
             }
             coeff += 4;
@@ -34,8 +37,8 @@ pub(crate) fn gather<T: Real, V: Lanes<T>>(items: &[T], width: usize, planes: &m
         while coeff + 4 <= width {
             for lane in (0..CHUNK).step_by(V::COUNT) {
                 let rows = V::load_transposed(&items[lane * width + coeff..], width);
-                for (r, row) in rows.into_iter().enumerate() {
-                    row.store(&mut planes[(coeff + r) * CHUNK + lane..]);
+                for r in 0..4 {
+                    rows[r].store(&mut planes[(coeff + r) * CHUNK + lane..]);
                 }
             }
             coeff += 4;

@@ -271,6 +271,7 @@ impl<T: Real, C: Real> Kernel<C> for ProjectValues<'_, T> {
         let table = Table::of(self.n);
         let mut sums = vec![0.0; self.n * self.n];
         let mut planes = vec![C::ZERO; self.n * self.n * CHUNK];
+        let mut points = Points::<C>::new();
         let block = CHUNK * CHUNKS_PER_SUM;
         for (first, (directions, values)) in
             self.directions.chunks(block).zip(self.values.chunks(block)).enumerate()
@@ -279,7 +280,7 @@ impl<T: Real, C: Real> Kernel<C> for ProjectValues<'_, T> {
             for (chunk, (directions, values)) in
                 directions.chunks(CHUNK).zip(values.chunks(CHUNK)).enumerate()
             {
-                let points = Points::<C>::new(directions, first * block + chunk * CHUNK)?;
+                points.set(directions, first * block + chunk * CHUNK)?;
                 let mut weights = [C::ZERO; CHUNK];
                 for (weight, value) in weights.iter_mut().zip(values) {
                     *weight = C::from_f64(value.to_f64());

@@ -121,6 +121,24 @@ pub(crate) struct Points<C> {
 }
 
 impl<C: Real> Points<C> {
+    /// No directions yet.
+    #[inline(always)]
+    pub fn new() -> Self {
+        let zero = [C::ZERO; CHUNK];
+        Self { x: zero, y: zero, t: zero, sign: zero }
+    }
+
+    /// One direction, in the first lane and all others.
+    ///
+    /// # Errors
+    /// If it is not finite or zero.
+    #[inline(always)]
+    pub fn of_one<T: Real>(direction: [T; 3]) -> Result<Self> {
+        let mut points = Self::new();
+        points.set(&[direction], 0)?;
+        Ok(points)
+    }
+
     /// Normalises up to [`CHUNK`] directions; the lanes beyond them repeat the last.
     ///
     /// `first` is the index of `directions[0]` in the batch, for the error's sake.
@@ -128,41 +146,57 @@ impl<C: Real> Points<C> {
     /// # Errors
     /// If a direction is not finite or zero.
     #[inline(always)]
-    pub fn new<T: Real>(directions: &[[T; 3]], first: usize) -> Result<Self> {
-        let widen = |v: T| C::from_f64(v.to_f64());
-        let zero = [C::ZERO; CHUNK];
-        let mut points = Self { x: zero, y: zero, t: zero, sign: zero };
-        let Some(last) = directions.len().checked_sub(1) else { return Ok(points) };
-        let mut z = zero;
-        for i in 0..CHUNK {
-            let direction = directions[i.min(last)];
-            (points.x[i], points.y[i], z[i]) =
-                (widen(direction[0]), widen(direction[1]), widen(direction[2]));
-        }
+    pub fn set<T: Real>(&mut self, directions: &[[T; 3]], first: usize) -> Result<()> {
+        let mut padded;
+        let directions: &[[T; 3]; CHUNK] = match directions.try_into() {
+            Ok(whole) => whole,
+            Err(_) => {
+                let Some(&last) = directions.last() else { return Ok(()) };
+                padded = [last; CHUNK];
+                padded[..directions.len()].copy_from_slice(directions);
+                &padded
+            }
+        };
+        let mut z = [C::ZERO; CHUNK];
+        split(directions, &mut self.x, &mut self.y, &mut z);
         // Within these bounds no square overflows, and none that matters underflows; a NaN is not within them.
         let (low, high) = (C::from_f64(1e-20), C::from_f64(1e20));
         let mut in_range = true;
         for i in 0..CHUNK {
-            let square = points.x[i] * points.x[i] + points.y[i] * points.y[i] + z[i] * z[i];
+            let square = self.x[i] * self.x[i] + self.y[i] * self.y[i] + z[i] * z[i];
             in_range &= square > low && square < high;
         }
         if !in_range {
             for i in 0..CHUNK {
-                let index = i.min(last);
-                let rescaled = rescale(directions[index].map(T::to_f64), first + index)?;
-                [points.x[i], points.y[i], z[i]] = rescaled.map(C::from_f64);
+                let rescaled = rescale(directions[i].map(T::to_f64), first + i)?;
+                [self.x[i], self.y[i], z[i]] = rescaled.map(C::from_f64);
             }
         }
         for i in 0..CHUNK {
-            let (x, y) = (points.x[i], points.y[i]);
+            let (x, y) = (self.x[i], self.y[i]);
             let horizontal = x * x + y * y;
             let inverse = C::ONE / (horizontal + z[i] * z[i]).sqrt();
-            points.x[i] = x * inverse;
-            points.y[i] = y * inverse;
-            points.t[i] = horizontal * inverse * inverse / (C::ONE + z[i].abs() * inverse);
-            points.sign[i] = if z[i] < C::ZERO { -C::ONE } else { C::ONE };
+            self.x[i] = x * inverse;
+            self.y[i] = y * inverse;
+            self.t[i] = horizontal * inverse * inverse / (C::ONE + z[i].abs() * inverse);
+            self.sign[i] = if z[i] < C::ZERO { -C::ONE } else { C::ONE };
         }
-        Ok(points)
+        Ok(())
+    }
+}
+
+/// Sorts components. Not compiled for an instruction set: AVX-512's gathers are slower than plain shuffles.
+#[inline(never)]
+fn split<T: Real, C: Real>(
+    directions: &[[T; 3]; CHUNK],
+    x: &mut [C; CHUNK],
+    y: &mut [C; CHUNK],
+    z: &mut [C; CHUNK],
+) {
+    for i in 0..CHUNK {
+        x[i] = C::from_f64(directions[i][0].to_f64());
+        y[i] = C::from_f64(directions[i][1].to_f64());
+        z[i] = C::from_f64(directions[i][2].to_f64());
     }
 }
 

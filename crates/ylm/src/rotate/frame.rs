@@ -145,22 +145,18 @@ impl<T: Real> Turns<T> {
     fn new(normals: &[[T; 3]], spins: &[[T; 2]], first: usize) -> Result<Self> {
         let mut turns = [[[T::ZERO; CHUNK]; 2]; 3];
         for (i, (normal, spin)) in normals.iter().zip(spins).enumerate() {
-            let [x, y, z] = normal.map(T::to_f64);
-            let scale = x.abs().max(y.abs()).max(z.abs());
-            if !(scale > 0.0 && x.is_finite() && y.is_finite() && z.is_finite()) {
-                return Err(Error::Direction { index: first + i, direction: [x, y, z] });
-            }
-            let [cos_spin, sin_spin] = spin.map(T::to_f64);
-            let spin = unit(cos_spin, sin_spin).ok_or(Error::Range {
+            let [x, y, z] = [normal[0].to_f64(), normal[1].to_f64(), normal[2].to_f64()];
+            let [spin_x, spin_y] = [spin[0].to_f64(), spin[1].to_f64()];
+            // Along z there is no φ_n; 0 is as good as any.
+            let azimuth = unit(x, y).unwrap_or([1.0, 0.0]);
+            let horizontal = x * azimuth[0] + y * azimuth[1];
+            let polar =
+                unit(z, horizontal).ok_or(Error::Direction { index: first + i, direction: [x, y, z] })?;
+            let spin = unit(spin_x, spin_y).ok_or(Error::Range {
                 what: "a spin's cos² + sin²",
-                value: cos_spin * cos_spin + sin_spin * sin_spin,
+                value: spin_x * spin_x + spin_y * spin_y,
                 range: "it must be finite and not 0",
             })?;
-            // Along z there is no φ_n; 0 is as good as any.
-            let flat = x.abs().max(y.abs());
-            let azimuth = unit(x / flat, y / flat).unwrap_or([1.0, 0.0]);
-            let horizontal = (x / scale).hypot(y / scale);
-            let polar = unit(z / scale, horizontal).unwrap_or([1.0, 0.0]);
             for (turn, [cos, sin]) in turns.iter_mut().zip([spin, polar, azimuth]) {
                 (turn[0][i], turn[1][i]) = (T::from_f64(cos), T::from_f64(sin));
             }
@@ -169,10 +165,19 @@ impl<T: Real> Turns<T> {
     }
 }
 
-/// (x, y) at unit length; none for zero, or if a square root of a sum of squares is not finite.
+/// (x, y) at unit length; none for zero or what is not finite.
+#[inline]
 fn unit(x: f64, y: f64) -> Option<[f64; 2]> {
+    let square = x * x + y * y;
+    if (1e-200..1e200).contains(&square) {
+        let scale = 1.0 / square.sqrt();
+        return Some([x * scale, y * scale]);
+    }
+    // The squares may have overflowed or vanished.
+    let largest = x.abs().max(y.abs());
+    let (x, y) = (x / largest, y / largest);
     let length = x.hypot(y);
-    (length > 0.0 && length.is_finite()).then(|| [x / length, y / length])
+    length.is_finite().then(|| [x / length, y / length])
 }
 
 struct Apply<'a, T> {
@@ -244,17 +249,17 @@ fn multiply_sector_rows<T: Real, V: Lanes<T>, const R: usize>(
     before: &[T],
     after: &mut [T],
 ) {
-    let entry_rows: [&[T]; R] = std::array::from_fn(|r| &entries[r * columns.len()..][..columns.len()]);
+    let entries = &entries[..R * columns.len()];
     for lane in (0..CHUNK).step_by(V::COUNT) {
         let mut sums = [V::splat(T::ZERO); R];
         for (k, &column) in columns.iter().enumerate() {
             let value = V::load(&before[column * CHUNK + lane..]);
             for r in 0..R {
-                sums[r] = value.mul_add(V::splat(entry_rows[r][k]), sums[r]);
+                sums[r] = value.mul_add(V::splat(entries[r * columns.len() + k]), sums[r]);
             }
         }
-        for (r, sum) in sums.into_iter().enumerate() {
-            sum.store(&mut after[rows[r] * CHUNK + lane..]);
+        for r in 0..R {
+            sums[r].store(&mut after[rows[r] * CHUNK + lane..]);
         }
     }
 }

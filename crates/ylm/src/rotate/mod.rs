@@ -160,17 +160,17 @@ fn multiply_rows<T: Real, V: Lanes<T>, const R: usize>(
     before: &[T],
     after: &mut [T],
 ) {
-    let rows: [&[T]; R] = std::array::from_fn(|r| &matrix[r * size..][..size]);
+    let matrix = &matrix[..R * size];
     for lane in (0..CHUNK).step_by(V::COUNT) {
         let mut sums = [V::splat(T::ZERO); R];
         for column in 0..size {
             let value = V::load(&before[column * CHUNK + lane..]);
             for r in 0..R {
-                sums[r] = value.mul_add(V::splat(rows[r][column]), sums[r]);
+                sums[r] = value.mul_add(V::splat(matrix[r * size + column]), sums[r]);
             }
         }
-        for (r, sum) in sums.into_iter().enumerate() {
-            sum.store(&mut after[r * CHUNK + lane..]);
+        for r in 0..R {
+            sums[r].store(&mut after[r * CHUNK + lane..]);
         }
     }
 }

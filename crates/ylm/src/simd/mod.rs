@@ -2,7 +2,8 @@
 //!
 //! A kernel is written once over [`Lanes`], a vector of a few numbers. [`Level::run`] instantiates it for an
 //! instruction set inside a function compiled for that set; everything the kernel calls on the way down to the
-//! vectors is `#[inline(always)]`, so that it is compiled for that set too.
+//! vectors is `#[inline(always)]`, so that it is compiled for that set too. `array::map` and iterators of arrays are not:
+//! a kernel loops over indices instead.
 //!
 //! Invariant: a vector type of an instruction set is only ever named by [`Level::run`], and a [`Level`] above
 //! [`Level::Portable`] only ever comes from detection. That is what makes the safe methods of [`Lanes`] sound; the
@@ -131,6 +132,7 @@ impl Level {
 
     /// The instruction sets of this machine, portable first, best last.
     pub fn available() -> Vec<Level> {
+        #[allow(unused_mut, reason = "some machines have the portable level alone")]
         let mut levels = vec![Self::PORTABLE];
         #[cfg(target_arch = "x86_64")]
         {

@@ -91,13 +91,14 @@ macro_rules! vector {
             fn store_transposed(rows: [Self; 4], to: &mut [$float], stride: usize) {
                 let to = &mut to[..($count - 1) * stride + 4];
                 // SAFETY: above, and the last four numbers written are the last four of `to`.
-                unsafe { $store_transposed(rows.map(|row| row.0), to.as_mut_ptr(), stride) }
+                unsafe { $store_transposed([rows[0].0, rows[1].0, rows[2].0, rows[3].0], to.as_mut_ptr(), stride) }
             }
             #[inline(always)]
             fn load_transposed(from: &[$float], stride: usize) -> [Self; 4] {
                 let from = &from[..($count - 1) * stride + 4];
                 // SAFETY: above, and the last four numbers read are the last four of `from`.
-                unsafe { $load_transposed(from.as_ptr(), stride) }.map(Self)
+                let [a, b, c, d] = unsafe { $load_transposed(from.as_ptr(), stride) };
+                [Self(a), Self(b), Self(c), Self(d)]
             }
         }
     };
@@ -130,6 +131,8 @@ vector!(
 
 // Transposition: 4 × 4 within each 128-bit quarter by unpacking, the quarters to and from memory one by one.
 //
+// Plain loops: `array::map` and an array's iterator may stay calls, and those lack the instruction set.
+//
 // # Safety
 // The machine has the instruction set, and memory may be accessed from 0 to (lanes − 1) · stride + 4.
 
@@ -154,9 +157,10 @@ unsafe fn transpose_f32x8([a, b, c, d]: [__m256; 4]) -> [__m256; 4] {
 unsafe fn store_f32x8(rows: [__m256; 4], to: *mut f32, stride: usize) {
     // SAFETY: the caller's.
     unsafe {
-        for (i, lane) in transpose_f32x8(rows).into_iter().enumerate() {
-            _mm_storeu_ps(to.add(i * stride), _mm256_castps256_ps128(lane));
-            _mm_storeu_ps(to.add((4 + i) * stride), _mm256_extractf128_ps::<1>(lane));
+        let lanes = transpose_f32x8(rows);
+        for i in 0..4 {
+            _mm_storeu_ps(to.add(i * stride), _mm256_castps256_ps128(lanes[i]));
+            _mm_storeu_ps(to.add((4 + i) * stride), _mm256_extractf128_ps::<1>(lanes[i]));
         }
     }
 }
@@ -165,10 +169,12 @@ unsafe fn store_f32x8(rows: [__m256; 4], to: *mut f32, stride: usize) {
 unsafe fn load_f32x8(from: *const f32, stride: usize) -> [__m256; 4] {
     // SAFETY: the caller's.
     unsafe {
-        transpose_f32x8([0, 1, 2, 3].map(|i| {
+        let mut lanes = [_mm256_setzero_ps(); 4];
+        for i in 0..4 {
             let low = _mm256_castps128_ps256(_mm_loadu_ps(from.add(i * stride)));
-            _mm256_insertf128_ps::<1>(low, _mm_loadu_ps(from.add((4 + i) * stride)))
-        }))
+            lanes[i] = _mm256_insertf128_ps::<1>(low, _mm_loadu_ps(from.add((4 + i) * stride)));
+        }
+        transpose_f32x8(lanes)
     }
 }
 
@@ -193,11 +199,12 @@ unsafe fn transpose_f32x16([a, b, c, d]: [__m512; 4]) -> [__m512; 4] {
 unsafe fn store_f32x16(rows: [__m512; 4], to: *mut f32, stride: usize) {
     // SAFETY: the caller's.
     unsafe {
-        for (i, lane) in transpose_f32x16(rows).into_iter().enumerate() {
-            _mm_storeu_ps(to.add(i * stride), _mm512_castps512_ps128(lane));
-            _mm_storeu_ps(to.add((4 + i) * stride), _mm512_extractf32x4_ps::<1>(lane));
-            _mm_storeu_ps(to.add((8 + i) * stride), _mm512_extractf32x4_ps::<2>(lane));
-            _mm_storeu_ps(to.add((12 + i) * stride), _mm512_extractf32x4_ps::<3>(lane));
+        let lanes = transpose_f32x16(rows);
+        for i in 0..4 {
+            _mm_storeu_ps(to.add(i * stride), _mm512_castps512_ps128(lanes[i]));
+            _mm_storeu_ps(to.add((4 + i) * stride), _mm512_extractf32x4_ps::<1>(lanes[i]));
+            _mm_storeu_ps(to.add((8 + i) * stride), _mm512_extractf32x4_ps::<2>(lanes[i]));
+            _mm_storeu_ps(to.add((12 + i) * stride), _mm512_extractf32x4_ps::<3>(lanes[i]));
         }
     }
 }
@@ -206,11 +213,14 @@ unsafe fn store_f32x16(rows: [__m512; 4], to: *mut f32, stride: usize) {
 unsafe fn load_f32x16(from: *const f32, stride: usize) -> [__m512; 4] {
     // SAFETY: the caller's.
     unsafe {
-        transpose_f32x16([0, 1, 2, 3].map(|i| {
-            let quarter = |j: usize| _mm_loadu_ps(from.add((4 * j + i) * stride));
-            let low = _mm512_insertf32x4::<1>(_mm512_castps128_ps512(quarter(0)), quarter(1));
-            _mm512_insertf32x4::<3>(_mm512_insertf32x4::<2>(low, quarter(2)), quarter(3))
-        }))
+        let mut lanes = [_mm512_setzero_ps(); 4];
+        for i in 0..4 {
+            let low = _mm512_castps128_ps512(_mm_loadu_ps(from.add(i * stride)));
+            let low = _mm512_insertf32x4::<1>(low, _mm_loadu_ps(from.add((4 + i) * stride)));
+            let low = _mm512_insertf32x4::<2>(low, _mm_loadu_ps(from.add((8 + i) * stride)));
+            lanes[i] = _mm512_insertf32x4::<3>(low, _mm_loadu_ps(from.add((12 + i) * stride)));
+        }
+        transpose_f32x16(lanes)
     }
 }
 
@@ -233,8 +243,9 @@ unsafe fn transpose_f64x4([a, b, c, d]: [__m256d; 4]) -> [__m256d; 4] {
 unsafe fn store_f64x4(rows: [__m256d; 4], to: *mut f64, stride: usize) {
     // SAFETY: the caller's.
     unsafe {
-        for (i, lane) in transpose_f64x4(rows).into_iter().enumerate() {
-            _mm256_storeu_pd(to.add(i * stride), lane);
+        let lanes = transpose_f64x4(rows);
+        for i in 0..4 {
+            _mm256_storeu_pd(to.add(i * stride), lanes[i]);
         }
     }
 }
@@ -242,15 +253,26 @@ unsafe fn store_f64x4(rows: [__m256d; 4], to: *mut f64, stride: usize) {
 #[inline(always)]
 unsafe fn load_f64x4(from: *const f64, stride: usize) -> [__m256d; 4] {
     // SAFETY: the caller's.
-    unsafe { transpose_f64x4([0, 1, 2, 3].map(|i| _mm256_loadu_pd(from.add(i * stride)))) }
+    unsafe {
+        let mut lanes = [_mm256_setzero_pd(); 4];
+        for i in 0..4 {
+            lanes[i] = _mm256_loadu_pd(from.add(i * stride));
+        }
+        transpose_f64x4(lanes)
+    }
 }
 
 #[inline(always)]
 unsafe fn store_f64x8(rows: [__m512d; 4], to: *mut f64, stride: usize) {
     // SAFETY: the caller's, once for either half of the lanes.
     unsafe {
-        store_f64x4(rows.map(|row| _mm512_castpd512_pd256(row)), to, stride);
-        store_f64x4(rows.map(|row| _mm512_extractf64x4_pd::<1>(row)), to.add(4 * stride), stride);
+        let (mut low, mut high) = ([_mm256_setzero_pd(); 4], [_mm256_setzero_pd(); 4]);
+        for i in 0..4 {
+            low[i] = _mm512_castpd512_pd256(rows[i]);
+            high[i] = _mm512_extractf64x4_pd::<1>(rows[i]);
+        }
+        store_f64x4(low, to, stride);
+        store_f64x4(high, to.add(4 * stride), stride);
     }
 }
 
@@ -259,6 +281,10 @@ unsafe fn load_f64x8(from: *const f64, stride: usize) -> [__m512d; 4] {
     // SAFETY: the caller's, once for either half of the lanes.
     unsafe {
         let (low, high) = (load_f64x4(from, stride), load_f64x4(from.add(4 * stride), stride));
-        [0, 1, 2, 3].map(|r| _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low[r]), high[r]))
+        let mut lanes = [_mm512_setzero_pd(); 4];
+        for i in 0..4 {
+            lanes[i] = _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low[i]), high[i]);
+        }
+        lanes
     }
 }
