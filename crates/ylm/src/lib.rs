@@ -5,6 +5,7 @@
 
 pub mod bands;
 pub mod basis;
+pub mod convert;
 pub mod error;
 pub mod eval;
 pub mod layout;
