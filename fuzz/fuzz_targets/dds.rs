@@ -1,0 +1,12 @@
+//! The reader of .dds pictures never panics, and what it reads has the size that it says.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use ylm_prt::image::dds;
+
+fuzz_target!(|bytes: &[u8]| {
+    if let Ok(decoded) = dds::decode(bytes) {
+        assert_eq!(decoded.image.pixels.len(), decoded.image.width * decoded.image.height);
+    }
+});
