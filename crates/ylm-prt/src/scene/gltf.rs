@@ -265,7 +265,10 @@ const HARMLESS_EXTENSIONS: [&str; 8] = [
 ];
 
 /// Vertices and corners that nodes may add up to, whatever the file's length: scenes repeat their meshes.
-const MIN_INSTANCE_BUDGET: usize = 1 << 24;
+const MIN_INSTANCE_BUDGET: usize = 1 << 22;
+
+/// Vertices and corners that nodes may add up to for each byte of the file and its buffers, if that is more.
+const INSTANCE_BUDGET_PER_BYTE: usize = 4;
 
 /// Reads the default scene, else the first, else all nodes.
 ///
@@ -286,10 +289,13 @@ pub(crate) fn read(bytes: &[u8], folder: &Path) -> Result<Draft, GltfFault> {
         return Err(GltfFault::Extension { name: excerpt(name.as_bytes()) });
     }
     let buffers = Buffers::load(&root, blob, folder)?;
+    let byte_count = bytes.len().saturating_add(buffers.byte_count);
     // Below the range of indices in any case.
-    let max =
-        MIN_INSTANCE_BUDGET.max(bytes.len().saturating_add(buffers.byte_count)).min(u32::MAX as usize - 1);
-    let accessors = Accessors { root: &root, buffers: &buffers };
+    let max = byte_count
+        .saturating_mul(INSTANCE_BUDGET_PER_BYTE)
+        .max(MIN_INSTANCE_BUDGET)
+        .min(u32::MAX as usize - 1);
+    let accessors = Accessors { root: &root, buffers: &buffers, byte_count };
     let mut scene = Scene { accessors, draft: Draft::default(), budget: max, max };
     for (node, world_from_local) in placed_nodes(&root)? {
         scene.add_node(node, world_from_local)?;

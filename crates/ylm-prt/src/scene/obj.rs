@@ -257,3 +257,71 @@ impl Largest {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::scene::Mesh;
+    use crate::scene::read::{MeshFault, ReadOptions, read};
+
+    fn obj(text: &str) -> Result<Mesh, MeshFault> {
+        read(text.as_bytes(), "test.obj".as_ref(), &ReadOptions::default())
+    }
+
+    fn fault(text: &str) -> String {
+        obj(text).unwrap_err().to_string()
+    }
+
+    const POINTS: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+    #[test]
+    fn each_lie_has_its_line() {
+        let face = |text: &str| fault(&format!("{POINTS}{text}\n"));
+        assert_eq!(face("f 1 2"), "line 4: a face with 2 corners; a face has at least 3");
+        assert_eq!(face("f"), "line 4: a face with 0 corners; a face has at least 3");
+        assert!(face("f 1 2 x").starts_with("line 4: `x` is no corner of a face"));
+        assert!(face("f 1 2 3/1/1/1").starts_with("line 4: `3/1/1/1` is no corner of a face"));
+        assert!(face("f 1 2 3/x").starts_with("line 4: `3/x` is no corner"));
+        assert!(face("f 1 2 4").starts_with("line 4: vertex index 4 is out of range; 3 stand in the file"));
+        assert!(face("f 1 2 5000000000").starts_with("line 4: vertex index 5000000000 is out of range"));
+        assert!(
+            face("f 1//1 2//1 3//1")
+                .starts_with("line 4: normal index 1 is out of range; 0 stand in the file")
+        );
+        assert!(face("vn 1 0").starts_with("line 4: `vn 1 0` is no normal"));
+        assert!(face("v 1 0 0,5").starts_with("line 4: `v 1 0 0,5` is no vertex"));
+        assert!(face("v 1 0 0 1 0 0 1 0").contains("is no vertex"));
+        assert!(face("v 1e400 0 0").starts_with("line 4: vertex 3 is not finite"));
+        assert!(
+            fault("just text\n")
+                .starts_with("has no vertices, and line 1 is no statement of OBJ: `just text`")
+        );
+    }
+
+    #[test]
+    fn statements_may_be_written_in_many_ways() {
+        let mesh = obj(
+            "# c:\\\nmtllib none.mtl\r\rv 0 0 0\\\n\nv\t1 0 0 1\nv 0 +1 0 # up\nvn 0 0 2\nmy_keyword\nf -3//-1 \\\r\n 2//1 3\n",
+        );
+        let mesh = mesh.unwrap();
+        assert_eq!((mesh.positions.len(), &mesh.triangles[..]), (3, &[[0, 1, 2]][..]));
+        assert_eq!(mesh.normals.unwrap().vectors[0], glam::Vec3::Z);
+        // A face may stand before its vertices.
+        assert_eq!(obj(&format!("f 1 2 3\n{POINTS}")).unwrap().triangles.len(), 1);
+    }
+
+    #[test]
+    fn colours_of_vertices_are_srgb_and_missing_ones_white() {
+        let mesh = obj("v 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0 0 1 0 0.5\nv 0 0 1\nf 1 2 3\n").unwrap();
+        assert_eq!(mesh.albedo.unwrap(), [[1.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0; 3]]);
+    }
+
+    #[test]
+    fn zero_normals_are_replaced_by_computed_ones() {
+        let mesh = obj(&format!("{POINTS}vn 0 0 0\nvn 1 0 0\nf 1//1 2//2 3//1\n")).unwrap();
+        let normals = mesh.normals.unwrap();
+        let corners = normals.triangles[0].map(|i| normals.vectors[i as usize]);
+        assert_eq!(corners, [glam::Vec3::Z, glam::Vec3::X, glam::Vec3::Z]);
+        assert!(normals.vectors.iter().all(|n| n.is_normalized()));
+        assert_eq!(obj(&format!("{POINTS}vn nan 0 0\nf 1//1 2//1 3//1\n")).unwrap().normals, None);
+    }
+}

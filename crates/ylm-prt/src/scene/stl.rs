@@ -202,3 +202,63 @@ impl Solid {
         self.draft.add_face(corners);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::scene::Mesh;
+    use crate::scene::read::{MeshFault, ReadOptions, read};
+
+    fn stl(bytes: &[u8]) -> Result<Mesh, MeshFault> {
+        read(bytes, "test.stl".as_ref(), &ReadOptions::default())
+    }
+
+    fn binary(triangles: u32, body: usize) -> Vec<u8> {
+        let mut bytes = vec![0; 80];
+        bytes.extend(triangles.to_le_bytes());
+        bytes.resize(84 + body, 0);
+        bytes
+    }
+
+    const FACET: &str =
+        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+
+    #[test]
+    fn each_lie_has_its_place() {
+        let fault = |bytes: &[u8]| stl(bytes).unwrap_err().to_string();
+        assert_eq!(fault(&[0; 83]), "has 83 bytes; a binary STL file has at least 84");
+        assert_eq!(fault(b""), "has 0 bytes; a binary STL file has at least 84");
+        let all = u64::from(u32::MAX) * 50 + 84;
+        let line = fault(&binary(u32::MAX, 50));
+        assert_eq!(line, format!("ends at byte 134; its 4294967295 triangles end at byte {all}"));
+        let mut longer = binary(1, 60);
+        longer[140] = 1;
+        assert_eq!(fault(&longer), "byte 134: data goes on after the last of 1 triangles");
+        let mut infinite = binary(1, 50);
+        infinite[96 + 24..96 + 28].copy_from_slice(&f32::INFINITY.to_le_bytes());
+        assert!(fault(&infinite).starts_with("byte 120: vertex 1 is not finite"));
+        let text = |text: &str| fault(text.as_bytes());
+        assert_eq!(text("solid a\nfacet normal 0 0 1\n"), "ends where `outer loop` must be");
+        assert_eq!(text(&format!("solid a\n{FACET}")), "ends where `endsolid` must be");
+        let square = FACET.replace("endloop", "vertex 1 1 0\nendloop");
+        assert_eq!(
+            text(&format!("solid\n{square}")),
+            "line 7: `vertex 1 1 0` stands where `endloop` must be"
+        );
+        let short = FACET.replace("vertex 1 0 0", "vertex 1 0");
+        assert_eq!(
+            text(&format!("solid\n{short}")),
+            "line 5: `vertex 1 0` stands where `vertex x y z` must be"
+        );
+    }
+
+    #[test]
+    fn ascii_solids_share_equal_positions() {
+        let twice = format!(
+            "solid a b\n{FACET}endsolid a b\n\nSOLID c\r\n{}endsolid\n",
+            FACET.replace(" 0 1 0\n", " -0 1 -0\n")
+        );
+        let mesh = stl(twice.as_bytes()).unwrap();
+        assert_eq!((mesh.positions.len(), &mesh.triangles[..]), (3, &[[0, 1, 2], [0, 1, 2]][..]));
+        assert_eq!(stl(b"solid nothing\nendsolid nothing\n").unwrap().positions.len(), 0);
+    }
+}

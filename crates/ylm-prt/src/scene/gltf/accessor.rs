@@ -11,6 +11,8 @@ use crate::scene::gltf::{GltfFault, get};
 pub(super) struct Accessors<'a> {
     pub root: &'a Root,
     pub buffers: &'a Buffers<'a>,
+    /// The bytes of the file and its buffers.
+    pub byte_count: usize,
 }
 
 /// The elements of one accessor, packed, with sparse values in place.
@@ -93,8 +95,8 @@ impl Accessors<'_> {
                 let offset = accessor.byte_offset.unwrap_or_default().0;
                 self.gather(index, view.value(), offset, count, size)?
             }
-            // The caller has seen to it that the count is within the budget.
-            None if accessor.sparse.is_some() => vec![0; count * size],
+            // Zeros that no byte stands for, but no more of them than the file has bytes.
+            None if accessor.sparse.is_some() && count <= self.byte_count => vec![0; count * size],
             None => return Err(GltfFault::AccessorWithoutData { accessor: index }),
         };
         self.apply_sparse(index, accessor, size, &mut bytes)?;
