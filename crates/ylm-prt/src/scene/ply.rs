@@ -543,11 +543,11 @@ mod tests {
         assert_eq!(header(list), "property `x` of element `vertex` must be a number");
         let floats = format!("{VERTICES}element face 1\nproperty list uchar float vertex_indices\n");
         assert_eq!(header(&floats), "property `vertex_indices` of element `face` must be a list of integers");
-        let read = |bytes: &[u8]| super::read(bytes).unwrap_err();
-        assert_eq!(read(b"ply\nformat ascii 1.0\nelement vertex 1"), PlyFault::UnfinishedHeader);
-        assert_eq!(read(b"ply\nelement vertex 0\nend_header\n"), PlyFault::NoFormat);
-        assert_eq!(read(b""), PlyFault::Magic);
-        assert_eq!(read(b"ply\r"), PlyFault::UnfinishedHeader);
+        let fault_of = |bytes: &[u8]| read(bytes).unwrap_err();
+        assert_eq!(fault_of(b"ply\nformat ascii 1.0\nelement vertex 1"), PlyFault::UnfinishedHeader);
+        assert_eq!(fault_of(b"ply\nelement vertex 0\nend_header\n"), PlyFault::NoFormat);
+        assert_eq!(fault_of(b""), PlyFault::Magic);
+        assert_eq!(fault_of(b"ply\r"), PlyFault::UnfinishedHeader);
     }
 
     #[test]
@@ -584,7 +584,7 @@ mod tests {
                 .to_vec();
         bytes.extend([0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0]);
         let length = bytes.len();
-        let fault = super::read(&bytes).unwrap_err();
+        let fault = read(&bytes).unwrap_err();
         assert_eq!(fault, PlyFault::Truncated { element: "face".to_owned(), count: 1, length });
     }
 }
