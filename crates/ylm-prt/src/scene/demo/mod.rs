@@ -8,6 +8,7 @@ mod solid;
 mod surface;
 
 use std::f32::consts::{FRAC_PI_2, TAU};
+use std::ops::Range;
 
 use glam::{Quat, Vec3};
 
@@ -17,6 +18,7 @@ use self::surface::{Composition, Surface};
 use crate::scene::Mesh;
 
 const GROUND: [f32; 3] = [0.50, 0.45, 0.37];
+const SLATE: [f32; 3] = [0.22, 0.21, 0.22];
 const MARBLE: [f32; 3] = [0.78, 0.75, 0.69];
 const VERDIGRIS: [f32; 3] = [0.26, 0.52, 0.46];
 const VERMILION: [f32; 3] = [0.72, 0.13, 0.07];
@@ -38,7 +40,12 @@ const SUNK: f32 = 0.02;
 /// The same bytes on every call. Every part is closed and winds outwards, but for the plinth, which is open below.
 pub fn scene() -> Mesh {
     let mut scene = Composition::default();
-    scene.add(plinth(), GROUND);
+    let mut start = 0;
+    for (end, albedo) in [(4, GROUND), (6, SLATE), (47, GROUND), (50, SLATE), (GROUND_ROWS, GROUND)] {
+        scene.add(ground(start..end), albedo);
+        start = end;
+    }
+    scene.add(edge(), GROUND);
 
     scene.add(stylobate().at(ROTUNDA), MARBLE);
     for k in 0..COLUMNS {
@@ -86,33 +93,37 @@ const FLOOR: f32 = 0.36;
 /// Height of the columns' tops.
 const LINTEL: f32 = FLOOR + 1.75;
 
-/// Round ground with a rounded edge, around the rotunda's lowest step.
+/// Radius of the plinth, and of the flat part of its top.
+const EDGE: f32 = 4.0;
+const FLAT: f32 = EDGE - 0.16;
+const GROUND_SEGMENTS: usize = 400;
+const GROUND_ROWS: usize = 56;
+
+/// Some rows of the ground, which reaches from the rotunda's lowest step to the rounded edge.
 ///
 /// Nothing of it lies under the steps but a hidden seam: a vertex in the dark there would darken its neighbours outside.
-fn plinth() -> Surface {
-    const RADIUS: f32 = 4.0;
-    const SEGMENTS: usize = 400;
-    const ROWS: usize = 56;
-    const ROUNDING: f32 = 0.1;
-    let flat = RADIUS - ROUNDING - 0.06;
-    let mut ground = Surface::grid(SEGMENTS, ROWS, |column, row| {
-        let (cos, sin) = circle(column, SEGMENTS);
+fn ground(rows: Range<usize>) -> Surface {
+    let mut ground = Surface::grid(GROUND_SEGMENTS, rows.len(), |column, row| {
+        let (cos, sin) = circle(column, GROUND_SEGMENTS);
         let out = Vec3::new(cos, 0.0, -sin);
-        let (foot, edge) = (ROTUNDA + out * (STEP + 0.003), out * flat);
-        let place = match row {
+        let (foot, edge) = (ROTUNDA + out * (STEP + 0.003), out * FLAT);
+        let place = match rows.start + row {
             0 => ROTUNDA + out * (STEP - SUNK),
-            ROWS => edge,
+            GROUND_ROWS => edge,
             // Rows lie closer near the steps, where shadows are finest.
-            _ => foot.lerp(edge, ((row - 1) as f32 / (ROWS - 1) as f32).powf(1.15)),
+            row => foot.lerp(edge, ((row - 1) as f32 / (GROUND_ROWS - 1) as f32).powf(1.15)),
         };
         (place, Vec3::Y)
     });
     // Rows go outwards here: the other way round to face up.
     ground.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
-    let edge =
-        [(RADIUS - 0.3, -0.38, 0.0), (RADIUS, -0.3, ROUNDING), (RADIUS, 0.0, ROUNDING), (flat, 0.0, 0.0)];
-    ground.append(lathe(&profile(&edge, 0.12), SEGMENTS));
     ground
+}
+
+/// The rounded edge of the ground; open below.
+fn edge() -> Surface {
+    let corners = [(EDGE - 0.3, -0.38, 0.0), (EDGE, -0.3, 0.1), (EDGE, 0.0, 0.1), (FLAT, 0.0, 0.0)];
+    lathe(&profile(&corners, 0.12), GROUND_SEGMENTS)
 }
 
 /// Three round steps.
@@ -271,7 +282,7 @@ mod tests {
     #[test]
     fn every_part_but_the_plinth_is_closed_and_winds_outwards() {
         let mesh = scene();
-        let plinth_ends = plinth().triangles.len();
+        let plinth_ends = ground(0..GROUND_ROWS).triangles.len() + edge().triangles.len();
         let mut balance: HashMap<(u32, u32), i32> = HashMap::new();
         let mut volume = 0.0;
         for &[a, b, c] in &mesh.triangles[plinth_ends..] {
