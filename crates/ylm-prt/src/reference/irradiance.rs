@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::samples::{point, seed};
 use crate::error::{Error, Result};
+use crate::light::{Light, LightSampler};
 use crate::scene::{Bvh, LightingPoints, Ray};
 
 /// How many rays, and which.
@@ -45,6 +46,16 @@ pub trait DirectionSampler: Sync {
     fn pdf(&self, direction: Vec3) -> f32;
 }
 
+impl DirectionSampler for LightSampler {
+    fn sample(&self, u: [f32; 2]) -> (Vec3, Vec3, f32) {
+        self.sample(u)
+    }
+
+    fn pdf(&self, direction: Vec3) -> f32 {
+        self.pdf(direction)
+    }
+}
+
 /// Irradiance with an estimate of its own noise.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Irradiance {
@@ -64,20 +75,36 @@ impl Irradiance {
     }
 }
 
-/// Irradiance E = ∫ L(ω) V(ω) max(0, n·ω) dω at those of `points` whose indices are `at`.
+/// Irradiance E = ∫ L(ω) V(ω) max(0, n·ω) dω of a light at those of `points` whose indices are `at`.
 ///
-/// L is `radiance`, which may be negative, as reconstructions of a light are. Directions are drawn by the cosine and,
-/// where there is one, by `sampler`, half each, under the balance heuristic: [Veach & Guibas 1995] "Optimally Combining
-/// Sampling Techniques". The sample points are scrambled Sobol points of each point's own, decided by the seed and the
-/// point's index alone: any subset, and any number of threads, gives the same values.
+/// Directions are drawn by the cosine and by the light, half each, under the balance heuristic: [Veach & Guibas 1995]
+/// "Optimally Combining Sampling Techniques". The sample points are scrambled Sobol points of each point's own, decided
+/// by the seed and the point's index alone: any subset, and any number of threads, gives the same values.
 ///
 /// `watch` is told how many more points are done, from any thread, and stops the work by answering false.
 ///
 /// Units: radiance in, irradiance out. Error: [`Irradiance::standard_errors`]. Cost: `rays` rays a point.
 ///
 /// # Errors
-/// If an index is out of range, or `watch` stopped the work.
+/// If the light cannot be sampled, an index is out of range, or `watch` stopped the work.
 pub fn irradiance(
+    points: &LightingPoints,
+    at: &[u32],
+    occlusion: Occlusion,
+    light: &Light,
+    settings: &Settings,
+    watch: &(dyn Fn(usize) -> bool + Sync),
+) -> Result<Irradiance> {
+    let sampler = light.sampler()?;
+    let radiance = |direction| light.radiance(direction);
+    irradiance_of(points, at, occlusion, &radiance, Some(&sampler), settings, watch)
+}
+
+/// As [`irradiance`], of any radiance, which may be negative; drawn by the cosine alone where there is no `sampler`.
+///
+/// # Errors
+/// If an index is out of range, or `watch` stopped the work.
+pub fn irradiance_of(
     points: &LightingPoints,
     at: &[u32],
     occlusion: Occlusion,
@@ -229,7 +256,7 @@ mod tests {
         settings: &Settings,
     ) -> Irradiance {
         let radiance = |direction| disc.radiance(direction);
-        irradiance(points, &all(points), occlusion, &radiance, Some(disc), settings, &|_| true).unwrap()
+        irradiance_of(points, &all(points), occlusion, &radiance, Some(disc), settings, &|_| true).unwrap()
     }
 
     /// Means over seeds are judged by a t-test: |mean − exact| over its standard error from the spread of the seeds.
@@ -249,7 +276,8 @@ mod tests {
         let white = |_| Vec3::ONE;
         let settings = Settings { rays: 64, ..Settings::default() };
         let found =
-            irradiance(&points, &all(&points), Occlusion::None, &white, None, &settings, &|_| true).unwrap();
+            irradiance_of(&points, &all(&points), Occlusion::None, &white, None, &settings, &|_| true)
+                .unwrap();
         // Drawn by the cosine every sample is π: only rounding is left.
         assert!(found.values.iter().all(|e| (*e - PI).abs().max_element() <= 1e-5));
         assert!(found.relative_noise() <= 1e-6);
@@ -317,7 +345,7 @@ mod tests {
                 let settings = Settings { rays: 1024, seed, bias: 0.0 };
                 let white = |_| Vec3::ONE;
                 let found =
-                    irradiance(&points, &[0], Occlusion::By(&wall), &white, None, &settings, &|_| true);
+                    irradiance_of(&points, &[0], Occlusion::By(&wall), &white, None, &settings, &|_| true);
                 found.unwrap().values[0].x as f64
             })
             .collect();
@@ -349,7 +377,7 @@ mod tests {
         let with = gather(&points, Occlusion::None, &disc, &settings).relative_noise();
         let radiance = |direction| disc.radiance(direction);
         let without =
-            irradiance(&points, &all(&points), Occlusion::None, &radiance, None, &settings, &|_| true);
+            irradiance_of(&points, &all(&points), Occlusion::None, &radiance, None, &settings, &|_| true);
         assert!(with * 100.0 <= without.unwrap().relative_noise(), "{with}");
     }
 
@@ -362,7 +390,7 @@ mod tests {
         let run = |threads: usize, at: &[u32]| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
-                irradiance(&points, at, Occlusion::None, &radiance, Some(&disc), &settings, &|_| true)
+                irradiance_of(&points, at, Occlusion::None, &radiance, Some(&disc), &settings, &|_| true)
                     .unwrap()
             })
         };
@@ -378,8 +406,8 @@ mod tests {
         let white = |_| Vec3::ONE;
         let settings = Settings::default();
         let stopped =
-            irradiance(&points, &all(&points), Occlusion::None, &white, None, &settings, &|_| false);
+            irradiance_of(&points, &all(&points), Occlusion::None, &white, None, &settings, &|_| false);
         assert!(matches!(stopped, Err(Error::Interrupted)));
-        assert!(irradiance(&points, &[300], Occlusion::None, &white, None, &settings, &|_| true).is_err());
+        assert!(irradiance_of(&points, &[300], Occlusion::None, &white, None, &settings, &|_| true).is_err());
     }
 }

@@ -5,4 +5,4 @@
 mod irradiance;
 mod samples;
 
-pub use irradiance::{DirectionSampler, Irradiance, Occlusion, Settings, irradiance};
+pub use irradiance::{DirectionSampler, Irradiance, Occlusion, Settings, irradiance, irradiance_of};
