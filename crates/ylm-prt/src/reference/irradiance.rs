@@ -3,13 +3,13 @@
 use std::f32::consts::{PI, TAU};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Mat3, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
 
 use super::samples::{point, seed};
 use crate::error::{Error, Result};
 use crate::light::{Light, LightSampler};
-use crate::scene::{Bvh, LightingPoints, Ray};
+use crate::scene::{Bvh, Directions, LightingPoints, Vantage};
 
 /// How many rays, and which.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,13 +18,13 @@ pub struct Settings {
     pub rays: u32,
     /// Draws the sample points.
     pub seed: u64,
-    /// Hits nearer than this, in units of the scene, do not count.
+    /// How far along the normal rays start, in diagonals of the scene's bounding box.
     pub bias: f32,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { rays: 1024, seed: 0, bias: 0.0 }
+        Self { rays: 1024, seed: 0, bias: 1e-5 }
     }
 }
 
@@ -33,7 +33,7 @@ impl Default for Settings {
 pub enum Occlusion<'a> {
     /// Nothing: every direction above the surface is open.
     None,
-    /// These triangles, from either side, but those that have a corner at the point's position.
+    /// These triangles, from either side, but those around the point's position; see [`Bvh::blocked`].
     By(&'a Bvh),
 }
 
@@ -128,8 +128,9 @@ pub fn irradiance_of(
         if is_stopped.load(Ordering::Relaxed) {
             return;
         }
+        let mut scratch = Scratch::default();
         for (halves, &index) in halves.iter_mut().zip(indices) {
-            *halves = [0, 1].map(|half| integrator.half(index as usize, half));
+            *halves = [0, 1].map(|half| integrator.half(index as usize, half, &mut scratch));
         }
         if !watch(indices.len()) {
             is_stopped.store(true, Ordering::Relaxed);
@@ -152,9 +153,47 @@ struct Integrator<'a> {
     settings: &'a Settings,
 }
 
+/// A direction above the surface, and what it adds where it is open.
+struct Sample {
+    direction: Vec3,
+    irradiance: Vec3,
+}
+
+/// Buffers of a thread.
+#[derive(Default)]
+struct Scratch {
+    samples: Vec<Sample>,
+    directions: Vec<Vec3>,
+    blocked: Vec<u64>,
+}
+
 impl Integrator<'_> {
     /// The estimate of one of the two halves.
-    fn half(&self, index: usize, half: u64) -> Vec3 {
+    fn half(&self, index: usize, half: u64, scratch: &mut Scratch) -> Vec3 {
+        let Scratch { samples, directions, blocked } = scratch;
+        samples.clear();
+        self.draw(index, half, samples);
+        if let Occlusion::By(bvh) = self.occlusion {
+            // Rays go in bundles, which are the faster the closer together they are.
+            samples.sort_by_key(|sample| cell(sample.direction));
+            directions.clear();
+            directions.extend(samples.iter().map(|sample| sample.direction));
+            let directions = Directions::new(directions);
+            blocked.resize(directions.word_count(), 0);
+            let (position, normal) = (self.points.positions[index], self.points.normals[index]);
+            let vantage = Vantage { position, normal, bias: self.settings.bias };
+            bvh.blocked(&vantage, &Mat3::IDENTITY, &directions, blocked);
+        } else {
+            blocked.clear();
+            blocked.resize(samples.len().div_ceil(64), 0);
+        }
+        let is_open = |k: usize| blocked[k / 64] >> (k % 64) & 1 == 0;
+        let open = samples.iter().enumerate().filter(|&(k, _)| is_open(k));
+        open.map(|(_, sample)| sample.irradiance.as_dvec3()).sum::<DVec3>().as_vec3()
+    }
+
+    /// Samples of both techniques, those that add nothing left out.
+    fn draw(&self, index: usize, half: u64, samples: &mut Vec<Sample>) {
         let normal = self.points.normals[index];
         let (tangent, bitangent) = normal.any_orthonormal_pair();
         let rays = self.settings.rays.div_ceil(4).max(1) * 2;
@@ -163,43 +202,41 @@ impl Integrator<'_> {
         let density =
             |cosine: f32, light_pdf: f32| by_cosine as f32 * (cosine / PI) + by_light as f32 * light_pdf;
         let stream = |technique: u64| seed(self.settings.seed, index as u64, 2 * half + technique);
-        let mut sum = DVec3::ZERO;
-
+        let mut add = |direction: Vec3, radiance: Vec3, cosine: f32, light_pdf: f32| {
+            if cosine > 0.0 && radiance != Vec3::ZERO {
+                let irradiance = radiance * (cosine / density(cosine, light_pdf));
+                samples.push(Sample { direction, irradiance });
+            }
+        };
         let cosine_stream = stream(0);
         for k in 0..by_cosine {
             let [u, v] = point(k, cosine_stream);
             let (sin, cos) = (TAU * v).sin_cos();
-            let cosine = (1.0 - u).sqrt();
-            let across = u.sqrt();
+            let (across, cosine) = (u.sqrt(), (1.0 - u).sqrt());
             let direction = across * cos * tangent + across * sin * bitangent + cosine * normal;
             let light_pdf = self.sampler.map_or(0.0, |sampler| sampler.pdf(direction));
-            if self.is_open(index, direction) {
-                sum += ((self.radiance)(direction) * (cosine / density(cosine, light_pdf))).as_dvec3();
-            }
+            add(direction, (self.radiance)(direction), cosine, light_pdf);
         }
-        let Some(sampler) = self.sampler else { return sum.as_vec3() };
+        let Some(sampler) = self.sampler else { return };
         let light_stream = stream(1);
         for k in 0..by_light {
             let (direction, radiance, pdf) = sampler.sample(point(k, light_stream));
-            let cosine = direction.dot(normal);
-            if cosine > 0.0 && self.is_open(index, direction) {
-                sum += (radiance * (cosine / density(cosine, pdf))).as_dvec3();
-            }
+            add(direction, radiance, direction.dot(normal), pdf);
         }
-        sum.as_vec3()
     }
+}
 
-    fn is_open(&self, index: usize, direction: Vec3) -> bool {
-        match self.occlusion {
-            Occlusion::None => true,
-            Occlusion::By(bvh) => {
-                let origin = self.points.positions[index];
-                let ray =
-                    Ray { t_min: self.settings.bias.max(f32::MIN_POSITIVE), ..Ray::new(origin, direction) };
-                !bvh.occluded_around(&ray, origin)
-            }
-        }
-    }
+/// A cell of the sphere, numbered so that neighbours are near in number: quadrants of quadrants of the octahedral map.
+fn cell(direction: Vec3) -> u16 {
+    let d = direction / direction.abs().element_sum();
+    let folded = if d.z >= 0.0 { d.xy() } else { (1.0 - d.yx().abs()) * d.xy().signum() };
+    let spread = |x: f32| {
+        let x = ((x * 0.5 + 0.5) * 63.9) as u16;
+        let x = (x | x << 4) & 0x0f0f;
+        let x = (x | x << 2) & 0x3333;
+        (x | x << 1) & 0x5555
+    };
+    spread(folded.x) | spread(folded.y) << 1
 }
 
 #[cfg(test)]
