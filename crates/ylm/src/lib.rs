@@ -8,6 +8,7 @@ pub mod basis;
 pub mod convert;
 pub mod error;
 pub mod eval;
+pub mod exponential;
 pub mod layout;
 pub mod legendre;
 mod planes;

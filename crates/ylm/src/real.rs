@@ -3,12 +3,14 @@
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
+use crate::product::kernels::ProductKernels;
 use crate::recurrence::Tabulated;
 use crate::simd::SimdReal;
 
 /// A floating-point number: `f32` or `f64`, and nothing else.
 pub trait Real:
     SimdReal
+    + ProductKernels
     + Tabulated
     + Debug
     + Default

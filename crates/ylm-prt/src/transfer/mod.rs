@@ -11,7 +11,6 @@ mod sum;
 mod unshadowed;
 
 pub use settings::{BakeSettings, TransferKind};
-pub use shadowed::visible_shares;
 
 use ylm::Bands;
 

@@ -1,5 +1,30 @@
-//! Products of SH functions.
+//! Products of SH functions: g_k = ∫ f₁ f₂ … Y_k dω, exact to the bands of the factors.
+//!
+//! [`product`] takes any bands and any number of factors and picks the method. The methods:
+//!
+//! | module | space | cost of two factors of n bands | use |
+//! | --- | --- | --- | --- |
+//! | [`grid`] | values on an exact grid | O(n³) | nearly always; kept values, integrals, shared factors |
+//! | [`unrolled`] | SH, straight-line code | n = 2 … 6 | one product, or few bands |
+//! | [`fourier`] | Fourier series | O(n³) | as published in [Xin21] |
+//! | [`gaunt`] | SH, sparse tensor | O(n⁵) | what the others are compared with |
+//! | [`chain`] | any triple product, again and again | – | the usual approximation of many factors, with its error |
+//! | [`zonal`] | values on one meridian | O(n³), no Fourier sums | a zonal factor |
+//! | [`matrix`] | the factor as a matrix | O(n⁴) a row | the matrix itself |
 
+pub(crate) mod cache;
+pub mod chain;
+pub mod fourier;
+pub mod gaunt;
 pub mod grid;
+pub(crate) mod kernels;
+pub mod matrix;
 #[cfg(test)]
-mod oracle;
+pub(crate) mod oracle;
+pub mod plan;
+#[rustfmt::skip]
+mod straight;
+pub mod unrolled;
+pub mod zonal;
+
+pub use plan::{Method, product};

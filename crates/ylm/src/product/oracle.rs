@@ -60,6 +60,12 @@ impl Dense {
         out
     }
 
+    /// The norm of the product itself, of which `bands` are a part: what rounding errors are in proportion to.
+    pub fn norm<T: Real>(&self, factors: &[&[T]]) -> f64 {
+        let squares = self.product_values(factors).into_iter().zip(&self.weights).map(|(p, w)| p * p / w);
+        squares.sum::<f64>().sqrt()
+    }
+
     /// The integral of the product of the factors.
     pub fn integral<T: Real>(&self, factors: &[&[T]]) -> f64 {
         self.product_values(factors).iter().sum()
@@ -71,6 +77,12 @@ pub fn relative_error<T: Real>(a: &[T], b: &[f64]) -> f64 {
     let difference: f64 = a.iter().zip(b).map(|(a, b)| (a.to_f64() - b).powi(2)).sum();
     let norm: f64 = b.iter().map(|b| b * b).sum();
     if difference == 0.0 { 0.0 } else { (difference / norm).sqrt() }
+}
+
+/// ‖a − b‖ / `norm`; NaN if anything is.
+pub fn error_of_norm<T: Real>(a: &[T], b: &[f64], norm: f64) -> f64 {
+    let difference: f64 = a.iter().zip(b).map(|(a, b)| (a.to_f64() - b).powi(2)).sum();
+    if difference == 0.0 { 0.0 } else { difference.sqrt() / norm }
 }
 
 /// Uniform numbers in [−1, 1) from a seed.

@@ -38,6 +38,8 @@ pub unsafe trait Lanes<T>:
 {
     /// Numbers in the vector.
     const COUNT: usize;
+    /// Whether it is an array rather than a vector register.
+    const PLAIN: bool = false;
 
     /// All lanes the same.
     fn splat(value: T) -> Self;
@@ -93,6 +95,9 @@ pub trait Kernel<T> {
 
 /// The vector types of a number type, one for each instruction set. Sealed: `f32` and `f64`.
 pub trait SimdReal: Copy {
+    /// `self · factor + addend` in one instruction; slow where the code is not compiled for one.
+    fn fused_mul_add(self, factor: Self, addend: Self) -> Self;
+
     /// Plain arrays.
     type Portable: Lanes<Self>;
     /// 256 bits.
@@ -169,6 +174,17 @@ impl Level {
             Isa::Neon => "NEON",
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
             Isa::Wasm128 => "SIMD128",
+        }
+    }
+
+    /// Runs a kernel on single numbers, compiled for this level: its multiply-adds are one instruction where it has one.
+    #[inline]
+    pub fn run_single<T: Real, K: Kernel<T>>(self, kernel: K) -> K::Output {
+        match self.0 {
+            // SAFETY: `available` made this level after detecting the features.
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx2 | Isa::Avx512 => unsafe { x86::run_fused::<T, K>(kernel) },
+            _ => kernel.run::<Single<T>>(),
         }
     }
 
@@ -262,6 +278,14 @@ mod tests {
                     assert_eq!(result[lane], expected, "{} lane {lane}", level.name());
                 }
             }
+        }
+    }
+
+    #[test]
+    fn single_numbers_are_computed_the_same_at_every_level() {
+        let results = |level: Level| level.run_single::<f32, _>(Operations(&[3.0, -6.0], &[0.5], &[2.0]));
+        for level in Level::available() {
+            assert_eq!(results(level)[3..5], [[3.5], [0.5]], "{}", level.name());
         }
     }
 

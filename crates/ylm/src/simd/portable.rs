@@ -27,6 +27,7 @@ operator!(Mul, mul, *);
 // SAFETY: an array of at most 4 f32 or 2 f64.
 unsafe impl<T: Real, const N: usize> Lanes<T> for Array<T, N> {
     const COUNT: usize = N;
+    const PLAIN: bool = true;
 
     #[inline(always)]
     fn splat(value: T) -> Self {
@@ -54,6 +55,10 @@ unsafe impl<T: Real, const N: usize> Lanes<T> for Array<T, N> {
 macro_rules! impl_simd_real {
     ($float:ident, $portable:literal, $avx2:ident, $avx512:ident, $neon:ident, $wasm128:ident) => {
         impl SimdReal for $float {
+            #[inline(always)]
+            fn fused_mul_add(self, factor: Self, addend: Self) -> Self {
+                <$float>::mul_add(self, factor, addend)
+            }
             type Portable = Array<$float, $portable>;
             #[cfg(target_arch = "x86_64")]
             type Avx2 = super::x86::$avx2;

@@ -20,6 +20,65 @@ pub unsafe fn run_avx512<T: Real, K: Kernel<T>>(kernel: K) -> K::Output {
     kernel.run::<T::Avx512>()
 }
 
+/// # Safety
+/// The machine has AVX2 and FMA.
+#[target_feature(enable = "avx2,fma")]
+pub unsafe fn run_fused<T: Real, K: Kernel<T>>(kernel: K) -> K::Output {
+    kernel.run::<Fused<T>>()
+}
+
+/// One number, multiplied and added in one instruction.
+#[derive(Clone, Copy)]
+#[repr(transparent)]
+pub struct Fused<T>(T);
+
+impl<T: Real> Add for Fused<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(self.0 + other.0)
+    }
+}
+impl<T: Real> Sub for Fused<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(self.0 - other.0)
+    }
+}
+impl<T: Real> Mul for Fused<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self(self.0 * other.0)
+    }
+}
+// SAFETY: one number.
+unsafe impl<T: Real> Lanes<T> for Fused<T> {
+    const COUNT: usize = 1;
+
+    #[inline(always)]
+    fn splat(value: T) -> Self {
+        Self(value)
+    }
+    #[inline(always)]
+    fn load(from: &[T]) -> Self {
+        Self(from[0])
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [T]) {
+        to[0] = self.0;
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        Self(self.0.fused_mul_add(factor.0, addend.0))
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
+        Self((-self.0).fused_mul_add(factor.0, addend.0))
+    }
+}
+
 macro_rules! vector {
     (
         $(#[$doc:meta])* $name:ident: $raw:ident of $count:literal $float:ident,

@@ -218,7 +218,7 @@ fn ring_tile<T: Real, V: Lanes<T>>(
 
 /// Coefficients → orders on 2R rings: for each order the sums over l − m even and over l − m odd; north adds, south subtracts.
 #[inline(always)]
-fn legendre_synthesis<T: Real, V: Lanes<T>, const R: usize>(
+pub fn legendre_synthesis<T: Real, V: Lanes<T>, const R: usize>(
     mut legendre: &[T],
     bands: usize,
     mut coeffs: &[V],
@@ -244,7 +244,7 @@ fn legendre_synthesis<T: Real, V: Lanes<T>, const R: usize>(
 
 /// Orders on 2R rings → coefficients, added to `coeffs`.
 #[inline(always)]
-fn legendre_analysis<T: Real, V: Lanes<T>, const R: usize>(
+pub fn legendre_analysis<T: Real, V: Lanes<T>, const R: usize>(
     mut weighted: &[T],
     bands: usize,
     orders: &[V],

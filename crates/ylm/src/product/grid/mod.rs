@@ -8,13 +8,12 @@
 //! One row (function) of a batch runs in each lane of a vector, so rows never meet: a NaN or an overflow in one row stays
 //! in that row.
 
-mod kernel;
-mod table;
+pub(super) mod kernel;
+pub(super) mod table;
 
-use std::any::{Any, TypeId};
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::Arc;
 
+use super::cache::shared;
 use crate::error::{Error, Result, check_length};
 use crate::{Bands, Level, Real, Workspace};
 use kernel::{Batch, Source, Target};
@@ -118,7 +117,9 @@ impl<T: Real> Grid<T> {
                 range: "a product takes 1 to 32",
             });
         }
-        Ok(Self { table: table(n, factor_count), factor_count, level: Level::best() })
+        let degree = (factor_count + 1) * (n - 1);
+        let table = shared((n, factor_count), || Table::new(Size::of_degree(n, degree)));
+        Ok(Self { table, factor_count, level: Level::best() })
     }
 
     /// The same grid with another instruction set.
@@ -261,7 +262,7 @@ impl<T: Real> Grid<T> {
         row_count: usize,
         workspace: &mut Workspace,
     ) {
-        level.run(Batch { table: &self.table, factors, target, row_count, workspace });
+        T::run_grid(level, Batch { table: &self.table, factors, target, row_count, workspace });
     }
 
     /// Checks the factors against the rows and transforms those that several rows share.
@@ -355,22 +356,6 @@ impl<T: Real> Prepared<'_, T> {
             Self::Values(values) => of_values(values),
         }
     }
-}
-
-/// The tables of a size, built on first use.
-fn table<T: Real>(bands: usize, factor_count: usize) -> Arc<Table<T>> {
-    type Key = (TypeId, usize, usize);
-    static TABLES: OnceLock<Mutex<HashMap<Key, Arc<dyn Any + Send + Sync>>>> = OnceLock::new();
-    let mut tables = match TABLES.get_or_init(Mutex::default).lock() {
-        Ok(tables) => tables,
-        // A panic elsewhere leaves whole entries: each is inserted complete.
-        Err(poisoned) => poisoned.into_inner(),
-    };
-    let degree = (factor_count + 1) * (bands - 1);
-    let entry = tables
-        .entry((TypeId::of::<T>(), bands, factor_count))
-        .or_insert_with(|| Arc::new(Table::<T>::new(Size::of_degree(bands, degree))));
-    Arc::clone(entry).downcast().expect("the key names the type")
 }
 
 #[cfg(test)]
