@@ -21,6 +21,14 @@ pub fn describe() -> String {
     )
 }
 
+/// The most memory this process has had resident; 0 where the system does not say.
+pub fn peak_bytes() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kilobytes = line.and_then(|line| line.trim().trim_end_matches("kB").trim().parse().ok());
+    kilobytes.unwrap_or(0u64) * 1024
+}
+
 /// The most GFLOP/s of f32 multiply-adds that one thread reaches at the best instruction set, two operations each.
 ///
 /// Twelve independent sums, enough to hide the latency everywhere.

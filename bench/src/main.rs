@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+mod bake;
 mod basis;
 mod machine;
 mod plan;
@@ -19,17 +20,24 @@ mod xin_table1;
 use table::Table;
 
 /// What the command line asks of a bench.
+#[derive(Clone)]
 pub struct Options {
     /// Fewer repetitions and smaller sizes: a smoke test, not a measurement.
     pub quick: bool,
     /// Where files that a bench draws (plots, pictures, results) go.
     pub out: PathBuf,
+    /// The folder of real meshes and probes.
+    pub data: PathBuf,
+    /// What follows the table's name.
+    pub arguments: Vec<String>,
 }
 
 /// A bench: its name on the command line, and what runs it.
 type Bench = (&'static str, fn(&Options) -> Vec<Table>);
 
 const BENCHES: &[Bench] = &[
+    ("bake", bake::run),
+    ("bake-memory", bake::run_memory),
     ("basis", basis::run),
     ("rotate", rotate::run),
     ("plan", plan::run),
@@ -39,7 +47,7 @@ const BENCHES: &[Bench] = &[
     ("xin-fig5", xin_fig5::run),
 ];
 
-const USAGE: &str = "usage: ylm-bench TABLE [--json FILE] [--quick] [--out DIR]";
+const USAGE: &str = "usage: ylm-bench TABLE [--json FILE] [--quick] [--out DIR] [--data DIR]";
 
 fn main() -> ExitCode {
     match run() {
@@ -53,7 +61,12 @@ fn main() -> ExitCode {
 
 fn run() -> Result<(), String> {
     let names: Vec<_> = BENCHES.iter().map(|(name, _)| *name).collect();
-    let mut options = Options { quick: false, out: PathBuf::from("target/bench") };
+    let mut options = Options {
+        quick: false,
+        out: PathBuf::from("target/bench"),
+        data: std::env::var_os("YLM_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from),
+        arguments: Vec::new(),
+    };
     let (mut json, mut chosen) = (None, None);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
@@ -62,7 +75,9 @@ fn run() -> Result<(), String> {
             "--quick" => options.quick = true,
             "--json" => json = Some(PathBuf::from(value("--json")?)),
             "--out" => options.out = PathBuf::from(value("--out")?),
-            name => chosen = Some(name.to_owned()),
+            "--data" => options.data = PathBuf::from(value("--data")?),
+            name if chosen.is_none() => chosen = Some(name.to_owned()),
+            other => options.arguments.push(other.to_owned()),
         }
     }
     let chosen = chosen.ok_or(format!("{USAGE}; tables: {}", names.join(", ")))?;

@@ -7,7 +7,7 @@ use glam::{Quat, Vec3, vec3};
 use rayon::ThreadPoolBuilder;
 use ylm::Bands;
 use ylm_prt::scene::{Bvh, LightingPoints};
-use ylm_prt::transfer::{BakeSettings, Progress, Transfer, TransferKind, bake};
+use ylm_prt::transfer::{BakeSettings, Progress, Transfer, TransferKind, bake, visible_shares};
 
 fn settings(bands: usize, rays: u32) -> BakeSettings {
     BakeSettings {
@@ -282,6 +282,19 @@ fn turning_the_scene_turns_the_transfer() {
     let size: f32 = after.vectors.iter().map(|v| v.powi(2)).sum();
     // Two independent estimates at 4096 rays; measured 2.5e-3.
     assert!((difference / size).sqrt() <= 4e-3, "{}", (difference / size).sqrt());
+}
+
+#[test]
+fn visible_shares_are_the_irradiance_under_white_over_pi() {
+    let (lit, bvh) = scene();
+    let settings = settings(4, 777);
+    let shares = visible_shares(&lit, &bvh, &settings, &()).unwrap();
+    let irradiances = under_white(&bake(&lit, &bvh, &settings, &()).unwrap());
+    assert!(shares.iter().any(|&share| share < 0.9) && shares.contains(&1.0));
+    for (share, irradiance) in shares.into_iter().zip(irradiances) {
+        // The same rays; 777 additions in f32.
+        assert!((f64::from(share) - irradiance / PI).abs() <= 1e-6, "{share} {irradiance}");
+    }
 }
 
 /// Counts, and cancels after some points.

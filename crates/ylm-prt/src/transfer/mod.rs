@@ -11,6 +11,7 @@ mod sum;
 mod unshadowed;
 
 pub use settings::{BakeSettings, TransferKind};
+pub use shadowed::visible_shares;
 
 use ylm::Bands;
 

@@ -31,51 +31,45 @@ pub fn bake(
     settings: &BakeSettings,
     progress: &dyn Progress,
 ) -> Result<Transfer> {
-    if settings.rays == 0 {
-        return Err(Error::Request(
-            "0 rays a point asked for; shadowed transfer needs at least 1".to_owned(),
-        ));
-    }
-    if !(0.0..1.0).contains(&settings.bias) {
-        return Err(Error::Request(format!(
-            "bias {} asked for; it is a part of the scene's diagonal, from 0 to below 1",
-            settings.bias
-        )));
-    }
+    let baker = Baker::new(points, bvh, settings, progress)?;
     let width = settings.bands.coeff_count();
     let mut vectors = vec![0.0f32; points.positions.len() * width];
-    let budget = (size_of_val(vectors.as_slice()) / SETS_SHARE).max(SETS_BYTES);
-    let baker = Baker {
-        points,
-        bvh,
-        settings,
-        sets: SampleSets::new(settings.bands, settings.rays, settings.seed, budget)?,
-        unblocked: Zonal::clamped_cosine(settings.bands),
-        rotation: FrameRotation::new(settings.bands),
-    };
-
-    let order = by_morton_code(&points.positions);
-    let mut rows: Vec<Option<&mut [f32]>> = vectors.chunks_exact_mut(width).map(Some).collect();
-    let mut sorted: Vec<(u32, &mut [f32])> =
-        order.into_iter().filter_map(|point| Some((point, rows[point as usize].take()?))).collect();
-    drop(rows);
-
-    let batches = (REPORT_RAYS / (BATCH * settings.rays as usize)).clamp(1, 16);
-    sorted.par_chunks_mut(BATCH * batches).try_for_each_init(Scratch::default, |scratch, chunk| {
-        for batch in chunk.chunks_mut(BATCH) {
-            baker.batch(batch, scratch, progress)?;
-        }
-        progress.advance(chunk.len(), chunk.len() as u64 * u64::from(settings.rays));
-        Ok::<(), Error>(())
-    })?;
-    drop(sorted);
+    baker.each_batch(&mut vectors, width, |batch, scratch| baker.project_batch(batch, scratch))?;
     Ok(Transfer { bands: settings.bands, vectors })
 }
+
+/// The share of the cosine-weighted hemisphere that each lighting point sees: ambient occlusion, from the same rays as
+/// shadowed transfer.
+///
+/// # Errors
+/// As [`super::bake`].
+pub fn visible_shares(
+    points: &LightingPoints,
+    bvh: &Bvh,
+    settings: &BakeSettings,
+    progress: &dyn Progress,
+) -> Result<Vec<f32>> {
+    let baker = Baker::new(points, bvh, settings, progress)?;
+    let mut shares = vec![0.0f32; points.positions.len()];
+    baker.each_batch(&mut shares, 1, |batch, scratch| {
+        for (point, share) in batch {
+            let (set, _) = baker.trace(*point, &mut scratch.blocked)?;
+            let rays = set.directions.count();
+            share[0] = (rays - count_ones(&scratch.blocked)) as f32 / rays as f32;
+        }
+        Ok(())
+    })?;
+    Ok(shares)
+}
+
+/// Lighting points with the rows of a result that they write.
+type Batch<'a> = [(u32, &'a mut [f32])];
 
 struct Baker<'a> {
     points: &'a LightingPoints,
     bvh: &'a Bvh,
     settings: &'a BakeSettings,
+    progress: &'a dyn Progress,
     sets: SampleSets,
     unblocked: Zonal<f32>,
     rotation: FrameRotation<f32>,
@@ -90,38 +84,83 @@ struct Scratch {
     world: Vec<f32>,
 }
 
-impl Baker<'_> {
-    /// Up to [`BATCH`] points.
-    fn batch(
+impl<'a> Baker<'a> {
+    fn new(
+        points: &'a LightingPoints,
+        bvh: &'a Bvh,
+        settings: &'a BakeSettings,
+        progress: &'a dyn Progress,
+    ) -> Result<Self> {
+        let BakeSettings { bands, rays, seed, bias, .. } = *settings;
+        if rays == 0 {
+            return Err(Error::Request(
+                "0 rays a point asked for; shadowed transfer needs at least 1".to_owned(),
+            ));
+        }
+        if !(0.0..1.0).contains(&bias) {
+            return Err(Error::Request(format!(
+                "bias {bias} asked for; it is a part of the scene's diagonal, from 0 to below 1"
+            )));
+        }
+        let result_bytes = points.positions.len() * bands.coeff_count() * size_of::<f32>();
+        let sets = SampleSets::new(bands, rays, seed, (result_bytes / SETS_SHARE).max(SETS_BYTES))?;
+        let (unblocked, rotation) = (Zonal::clamped_cosine(bands), FrameRotation::new(bands));
+        Ok(Self { points, bvh, settings, progress, sets, unblocked, rotation })
+    }
+
+    /// Calls `work` with up to [`BATCH`] points at a time, neighbours in space, and their rows of `values`.
+    fn each_batch(
         &self,
-        batch: &mut [(u32, &mut [f32])],
-        scratch: &mut Scratch,
-        progress: &dyn Progress,
+        values: &mut [f32],
+        width: usize,
+        work: impl Fn(&mut Batch, &mut Scratch) -> Result<()> + Sync,
     ) -> Result<()> {
+        let order = by_morton_code(&self.points.positions);
+        let mut rows: Vec<Option<&mut [f32]>> = values.chunks_exact_mut(width).map(Some).collect();
+        let mut sorted: Vec<(u32, &mut [f32])> =
+            order.into_iter().filter_map(|point| Some((point, rows[point as usize].take()?))).collect();
+        drop(rows);
+        let rays = self.settings.rays as usize;
+        let batches = (REPORT_RAYS / BATCH / rays).clamp(1, 16);
+        sorted.par_chunks_mut(BATCH * batches).try_for_each_init(Scratch::default, |scratch, chunk| {
+            chunk.chunks_mut(BATCH).try_for_each(|batch| work(batch, scratch))?;
+            self.progress.advance(chunk.len(), (chunk.len() * rays) as u64);
+            Ok(())
+        })
+    }
+
+    /// Sets the bits of what a point does not see of its sample set; returns the set, and cos and sin of its spin.
+    fn trace(&self, point: u32, blocked: &mut Vec<u64>) -> Result<(&SampleSet, [f32; 2])> {
+        if self.progress.is_cancelled() {
+            return Err(Error::Interrupted);
+        }
+        let (position, normal) = (self.points.positions[point as usize], self.points.normals[point as usize]);
+        let (set, spin) = self.sets.choose(self.settings.seed, u64::from(point));
+        let (sin, cos) = spin.sin_cos();
+        let spin = [cos as f32, sin as f32];
+        let vantage = Vantage { position, normal, bias: self.settings.bias };
+        blocked.resize(set.directions.word_count(), 0);
+        self.bvh.blocked(&vantage, &world_from_local(normal, spin), &set.directions, blocked);
+        Ok((set, spin))
+    }
+
+    /// Writes the transfer of up to [`BATCH`] points.
+    fn project_batch(&self, batch: &mut Batch, scratch: &mut Scratch) -> Result<()> {
         let width = self.settings.bands.coeff_count();
+        let count = batch.len();
         let mut normals = [[0.0f32; 3]; BATCH];
         let mut spins = [[0.0f32; 2]; BATCH];
-        let Scratch { blocked, sum, local, world } = scratch;
-        sum.resize(row_width(self.settings.bands), 0.0);
-        local.resize(batch.len() * width, 0.0);
-        world.resize(batch.len() * width, 0.0);
+        scratch.sum.resize(row_width(self.settings.bands), 0.0);
+        scratch.local.resize(count * width, 0.0);
+        scratch.world.resize(count * width, 0.0);
         for (k, (point, _)) in batch.iter().enumerate() {
-            if progress.is_cancelled() {
-                return Err(Error::Interrupted);
-            }
-            let (position, normal) =
-                (self.points.positions[*point as usize], self.points.normals[*point as usize]);
-            let (set, spin) = self.sets.choose(self.settings.seed, u64::from(*point));
-            let (sin, cos) = spin.sin_cos();
-            (normals[k], spins[k]) = (normal.to_array(), [cos as f32, sin as f32]);
-            let vantage = Vantage { position, normal, bias: self.settings.bias };
-            blocked.resize(set.directions.word_count(), 0);
-            self.bvh.blocked(&vantage, &world_from_local(normal, spins[k]), &set.directions, blocked);
-            self.project(set, blocked, sum, &mut local[k * width..(k + 1) * width]);
+            let (set, spin) = self.trace(*point, &mut scratch.blocked)?;
+            (normals[k], spins[k]) = (self.points.normals[*point as usize].to_array(), spin);
+            let local = &mut scratch.local[k * width..(k + 1) * width];
+            self.project(set, &mut scratch.blocked, &mut scratch.sum, local);
         }
-        let count = batch.len();
-        self.rotation.apply(local, &normals[..count], &spins[..count], world)?;
-        for ((_, row), world) in batch.iter_mut().zip(world.chunks_exact(width)) {
+        self.rotation.apply(&scratch.local, &normals[..count], &spins[..count], &mut scratch.world)?;
+        for ((_, row), world) in batch.iter_mut().zip(scratch.world.chunks_exact(width)) {
             row.copy_from_slice(world);
         }
         Ok(())
@@ -131,7 +170,7 @@ impl Baker<'_> {
     /// of the unblocked transfer, whichever are fewer.
     fn project(&self, set: &SampleSet, blocked: &mut [u64], sum: &mut [f32], local: &mut [f32]) {
         let rays = set.directions.count();
-        let blocked_count: usize = blocked.iter().map(|word| word.count_ones() as usize).sum();
+        let blocked_count = count_ones(blocked);
         let weight = PI / rays as f32;
         if 2 * blocked_count <= rays {
             sum_rows(&set.harmonics, blocked, sum);
@@ -152,6 +191,10 @@ impl Baker<'_> {
             }
         }
     }
+}
+
+fn count_ones(words: &[u64]) -> usize {
+    words.iter().map(|word| word.count_ones() as usize).sum()
 }
 
 /// The rotation of [`FrameRotation`]: z to the normal, after a spin about z.

@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use glam::{Vec3, Vec3A};
 use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2_from_tris;
-use obvhs::triangle::Triangle;
+use obvhs::bvh2::builder::build_bvh2;
 
 use super::Bvh;
 use super::lanes::Isa;
@@ -21,32 +21,45 @@ const MAX_COLLAPSED_DEPTH: usize = MAX_DEPTH - 12;
 pub fn build(positions: &[Vec3], triangles: &[[u32; 3]]) -> Bvh {
     let extent = positions.iter().fold(0.0f32, |extent, p| extent.max(p.abs().max_element()));
     let scale = if extent > 0.0 { power_of_two_below(1.0 / extent) } else { 1.0 };
-    let scaled: Vec<Triangle> = triangles
-        .iter()
-        .map(|corners| {
-            let [v0, v1, v2] = corners.map(|i| Vec3A::from(positions[i as usize] * scale));
-            Triangle { v0, v1, v2 }
-        })
-        .collect();
+    let corners = Corners { positions, triangles, scale };
+    // Boxes only, and freed before the nodes are made: building then takes no more memory than baking.
+    let boxes: Vec<Aabb> = (0..triangles.len()).map(|i| Aabb::from_points(&corners.of(i))).collect();
     let params = BvhBuildParams {
-        pre_split: false,
         max_prims_per_leaf: 4,
         collapse_traversal_cost: 1.0,
         ..BvhBuildParams::very_slow_build()
     };
-    let binary = build_bvh2_from_tris(&scaled, params, &mut Duration::default());
-    let mut collapse = Collapse::new(&binary, &scaled);
-    if scaled.is_empty() {
+    let binary = build_bvh2(&boxes, params, &mut Duration::default());
+    drop(boxes);
+    let mut collapse = Collapse::new(&binary, corners);
+    if triangles.is_empty() {
         collapse.nodes.push(Node::EMPTY);
     } else {
         collapse.node(Subtree::Binary(0), 0);
     }
+    let Collapse { mut nodes, mut blocks, .. } = collapse;
+    nodes.shrink_to_fit();
+    blocks.shrink_to_fit();
     let (low, high) = positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &p| {
         let p = p * scale;
         (low.min(p), high.max(p))
     });
     let diagonal = if positions.is_empty() { 0.0 } else { (high - low).length() };
-    Bvh { nodes: collapse.nodes, blocks: collapse.blocks, scale, diagonal, isa: Isa::best() }
+    Bvh { nodes, blocks, scale, diagonal, isa: Isa::best() }
+}
+
+/// The mesh in the coordinates of the nodes.
+#[derive(Clone, Copy)]
+struct Corners<'a> {
+    positions: &'a [Vec3],
+    triangles: &'a [[u32; 3]],
+    scale: f32,
+}
+
+impl Corners<'_> {
+    fn of(&self, triangle: usize) -> [Vec3A; 3] {
+        self.triangles[triangle].map(|i| Vec3A::from(self.positions[i as usize] * self.scale))
+    }
 }
 
 /// Part of the scene that becomes one child.
@@ -60,7 +73,7 @@ enum Subtree<'a> {
 
 struct Collapse<'a> {
     binary: &'a Bvh2,
-    triangles: &'a [Triangle],
+    corners: Corners<'a>,
     /// Triangles below each binary node.
     counts: Vec<u32>,
     nodes: Vec<Node>,
@@ -68,9 +81,9 @@ struct Collapse<'a> {
 }
 
 impl<'a> Collapse<'a> {
-    fn new(binary: &'a Bvh2, triangles: &'a [Triangle]) -> Self {
+    fn new(binary: &'a Bvh2, corners: Corners<'a>) -> Self {
         let counts = triangle_counts(binary);
-        Self { binary, triangles, counts, nodes: Vec::new(), blocks: Vec::new() }
+        Self { binary, corners, counts, nodes: Vec::new(), blocks: Vec::new() }
     }
 
     /// Makes a node of `subtree` and everything below it; returns its index.
@@ -140,8 +153,7 @@ impl<'a> Collapse<'a> {
         };
         let mut block = TriangleBlock::EMPTY;
         for (lane, &triangle) in list.iter().enumerate() {
-            let Triangle { v0, v1, v2 } = self.triangles[triangle as usize];
-            for (corner, position) in [v0, v1, v2].into_iter().enumerate() {
+            for (corner, position) in self.corners.of(triangle as usize).into_iter().enumerate() {
                 for axis in 0..3 {
                     block.corners[3 * corner + axis][lane] = position[axis];
                 }
@@ -167,7 +179,7 @@ impl<'a> Collapse<'a> {
             }
             Subtree::List(list) => {
                 list.iter().fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(low, high), &i| {
-                    let aabb = obvhs::Boundable::aabb(&self.triangles[i as usize]);
+                    let aabb = Aabb::from_points(&self.corners.of(i as usize));
                     (low.min(aabb.min), high.max(aabb.max))
                 })
             }
