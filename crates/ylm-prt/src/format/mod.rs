@@ -1,1 +1,9 @@
-//! format
+//! Files on disk: the only module that serialises. `docs/format.md` is the specification.
+
+mod baked;
+mod fault;
+mod light;
+
+pub use baked::{FORMAT_VERSION, read_baked, write_baked};
+pub use fault::BakedFault;
+pub use light::write_light;

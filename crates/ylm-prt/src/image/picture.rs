@@ -6,9 +6,9 @@ use std::path::Path;
 use ::image::codecs::png::{PngDecoder, PngEncoder};
 use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Limits};
 
-use super::write::write_whole;
 use super::{Image, MAX_TEXELS};
 use crate::error::{Error, Result};
+use crate::file::write_atomically;
 
 /// A picture as a display takes it: sRGB, eight bits a channel.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -78,7 +78,8 @@ impl Picture {
     /// # Errors
     /// As [`Picture::to_png`], or if the operating system refuses.
     pub fn write_png(&self, path: &Path) -> Result<()> {
-        write_whole(path, &self.to_png()?)
+        let bytes = self.to_png()?;
+        write_atomically(path, |out| out.write_all(&bytes))
     }
 }
 

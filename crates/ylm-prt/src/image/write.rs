@@ -1,12 +1,13 @@
 //! Pictures to files: whole or not at all.
 
-use std::io::{Cursor, Write};
+use std::io::Cursor;
 use std::path::Path;
 
 use ::exr::prelude::{Compression, Encoding, LineOrder, SpecificChannels, WritableImage};
 
 use super::Image;
 use crate::error::{Error, Result};
+use crate::file::write_atomically;
 
 impl Image {
     /// Writes linear RGB as OpenEXR: 32-bit floats, ZIP of 16 lines.
@@ -44,25 +45,8 @@ impl Image {
             .write()
             .to_buffered(Cursor::new(&mut bytes))
             .map_err(|fault| Error::file(path, fault))?;
-        write_whole(path, &bytes)
+        write_atomically(path, |out| out.write_all(&bytes))
     }
-}
-
-/// Writes `bytes` under a temporary name beside `path` and renames it.
-pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".ylm-");
-    // Temporary files are private by default; a picture is for everyone whom the process's mask admits.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder).map_err(|source| Error::io(path, source))?;
-    file.write_all(bytes).map_err(|source| Error::io(path, source))?;
-    file.persist(path).map_err(|fault| Error::io(path, fault.error))?;
-    Ok(())
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! T_i(p) = ∫ V(p, ω) max(0, n·ω) Y_i(ω) dω, free of albedo: the dot product with the coefficients of a light is the
 //! irradiance at p. [Green03] "SH Lighting Diffuse Surfaces"
 
+mod baked;
 mod order;
 mod samples;
 mod settings;
@@ -10,6 +11,7 @@ mod shadowed;
 mod sum;
 mod unshadowed;
 
+pub use baked::{BakeRecord, Baked};
 pub use settings::{BakeSettings, TransferKind};
 pub use shadowed::visible_shares;
 

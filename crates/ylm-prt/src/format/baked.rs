@@ -1,0 +1,216 @@
+//! The baked scene as a safetensors file.
+
+#[cfg(target_endian = "big")]
+compile_error!("safetensors is little-endian; reading and writing here are casts, not conversions");
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::path::Path;
+
+use glam::Vec3;
+use safetensors::tensor::{Metadata, TensorInfo};
+use safetensors::{Dtype, SafeTensors};
+use serde_json::{Map, Value, json};
+use ylm::Bands;
+
+use super::fault::BakedFault;
+use crate::error::{Error, Result};
+use crate::file::write_atomically;
+use crate::scene::LightingPoints;
+use crate::transfer::{BakeRecord, Baked, Transfer, TransferKind};
+
+/// The version that this code writes, and the only one that it reads.
+pub const FORMAT_VERSION: u64 = 1;
+
+/// The one metadata entry: a JSON object, so that numbers stay numbers and the bytes do not depend on hash order.
+const METADATA_KEY: &str = "ylm";
+
+/// `convention` of every file: docs/conventions.md.
+const CONVENTION: &str = "real orthonormal, Condon-Shortley, z polar, index l(l+1)+m";
+
+/// Writes a baked scene; an existing file is replaced only by a whole one.
+///
+/// Tensors stand in the order of docs/format.md, without gaps. Cost: one pass, no copy of the data.
+///
+/// # Errors
+/// If the operating system refuses.
+pub fn write_baked(path: &Path, baked: &Baked) -> Result<()> {
+    let point_count = baked.points.positions.len();
+    let tensors: [(&str, Dtype, [usize; 2], &[u8]); 5] = [
+        ("positions", Dtype::F32, [point_count, 3], bytemuck::cast_slice(&baked.points.positions)),
+        ("normals", Dtype::F32, [point_count, 3], bytemuck::cast_slice(&baked.points.normals)),
+        ("albedo", Dtype::F32, [point_count, 3], bytemuck::cast_slice(&baked.points.albedo)),
+        (
+            "triangles",
+            Dtype::U32,
+            [baked.points.triangles.len(), 3],
+            bytemuck::cast_slice(&baked.points.triangles),
+        ),
+        (
+            "transfer",
+            Dtype::F32,
+            [point_count, baked.transfer.bands.coeff_count()],
+            bytemuck::cast_slice(&baked.transfer.vectors),
+        ),
+    ];
+    let mut end = 0;
+    let infos = tensors.iter().map(|(name, dtype, shape, bytes)| {
+        let start = end;
+        end += bytes.len();
+        ((*name).to_owned(), TensorInfo { dtype: *dtype, shape: shape.to_vec(), data_offsets: (start, end) })
+    });
+    let entries = HashMap::from([(METADATA_KEY.to_owned(), metadata(baked).to_string())]);
+    let header = Metadata::new(Some(entries), infos.collect()).expect("the tensors follow each other");
+    let mut header = serde_json::to_vec(&header).expect("a header is plain JSON");
+    header.resize(header.len().next_multiple_of(8), b' ');
+    write_atomically(path, |out| {
+        out.write_all(&(header.len() as u64).to_le_bytes())?;
+        out.write_all(&header)?;
+        tensors.iter().try_for_each(|(.., bytes)| out.write_all(bytes))
+    })
+}
+
+/// Reads a baked scene and checks every sentence of docs/format.md.
+///
+/// # Errors
+/// If the file cannot be opened, is not a baked scene of this version, or does not fit the specification; the error
+/// names the file and the first thing that is wrong.
+pub fn read_baked(path: &Path) -> Result<Baked> {
+    let file = File::open(path).map_err(|e| Error::io(path, e))?;
+    // SAFETY: the map lives for this call only; somebody who truncates the file meanwhile ends the process, as with
+    // every reader of mapped files, and cannot do worse, since all that is read is copied and then checked.
+    let bytes = unsafe { memmap2::Mmap::map(&file) }.map_err(|e| Error::io(path, e))?;
+    parse_baked(&bytes).map_err(|fault| Error::file(path, fault))
+}
+
+/// The same for bytes in memory.
+fn parse_baked(bytes: &[u8]) -> std::result::Result<Baked, BakedFault> {
+    let tensors = SafeTensors::deserialize(bytes)?;
+    let (_, header) = SafeTensors::read_metadata(bytes)?;
+    let entry = header.metadata().as_ref().and_then(|entries| entries.get(METADATA_KEY));
+    let entry: Map<String, Value> =
+        serde_json::from_str(entry.ok_or(BakedFault::NotYlm)?).map_err(BakedFault::MetadataJson)?;
+    let (bands, record) = parse_metadata(&entry)?;
+
+    let positions: Vec<Vec3> = finite_rows(&tensors, "positions", None)?;
+    let point_count = positions.len();
+    let normals: Vec<Vec3> = finite_rows(&tensors, "normals", Some(point_count))?;
+    // Unit to rounding: three squares summed in f32, and one rounding of each component.
+    if let Some(row) = normals.iter().position(|normal| (normal.length() - 1.0).abs() > 1e-5) {
+        return Err(BakedFault::NormalLength { row, length: normals[row].length() });
+    }
+    let albedo: Vec<[f32; 3]> = finite_rows(&tensors, "albedo", Some(point_count))?;
+    if let Some(row) = albedo.iter().position(|rgb| rgb.iter().any(|value| !(0.0..=1.0).contains(value))) {
+        return Err(BakedFault::AlbedoRange { row });
+    }
+    let triangles: Vec<[u32; 3]> = rows(&tensors, "triangles", Dtype::U32, None, 3)?;
+    for (triangle, corners) in triangles.iter().enumerate() {
+        if let Some(&point) = corners.iter().find(|&&point| point as usize >= point_count) {
+            return Err(BakedFault::PointOutOfRange { triangle, point, count: point_count });
+        }
+    }
+    let vectors: Vec<f32> = rows(&tensors, "transfer", Dtype::F32, Some(point_count), bands.coeff_count())?;
+    check_finite("transfer", &vectors, bands.coeff_count())?;
+    let points = LightingPoints { positions, normals, albedo, triangles };
+    Ok(Baked { points, transfer: Transfer { bands, vectors }, record })
+}
+
+fn metadata(baked: &Baked) -> Value {
+    let record = &baked.record;
+    json!({
+        "format": "baked",
+        "format_version": FORMAT_VERSION,
+        "ylm_version": record.ylm_version,
+        "convention": CONVENTION,
+        "bands": baked.transfer.bands.count(),
+        "transfer": record.kind.name(),
+        "rays": record.rays,
+        "seed": record.seed,
+        "bias": record.bias,
+        "source": record.source,
+        "source_sha256": record.source_sha256,
+    })
+}
+
+fn parse_metadata(entry: &Map<String, Value>) -> std::result::Result<(Bands, BakeRecord), BakedFault> {
+    let wrong = |key, expected: &str| BakedFault::Metadata { key, expected: expected.to_owned() };
+    let text = |key| entry.get(key).and_then(Value::as_str).ok_or_else(|| wrong(key, "a string"));
+    let integer = |key| entry.get(key).and_then(Value::as_u64).ok_or_else(|| wrong(key, "a whole number"));
+    if text("format")? != "baked" {
+        return Err(wrong("format", "\"baked\""));
+    }
+    match integer("format_version")? {
+        FORMAT_VERSION => {}
+        found => return Err(BakedFault::Version { found, supported: FORMAT_VERSION }),
+    }
+    if text("convention")? != CONVENTION {
+        return Err(wrong("convention", &format!("\"{CONVENTION}\"")));
+    }
+    let bands =
+        Bands::new(integer("bands")? as usize).map_err(|e| wrong("bands", &format!("in range: {e}")))?;
+    let kind = TransferKind::from_name(text("transfer")?)
+        .ok_or_else(|| wrong("transfer", "\"unshadowed\" or \"shadowed\""))?;
+    let bias = entry.get("bias").and_then(Value::as_f64).map(|bias| bias as f32).filter(|bias| *bias >= 0.0);
+    let source = entry.get("source").and_then(Value::as_array).and_then(|names| {
+        names.iter().map(|name| name.as_str().map(str::to_owned)).collect::<Option<Vec<_>>>()
+    });
+    let source_sha256 = text("source_sha256")?.to_owned();
+    let is_hash = source_sha256.len() == 64 && source_sha256.bytes().all(|c| c.is_ascii_hexdigit());
+    if !(is_hash || source_sha256.is_empty()) {
+        return Err(wrong("source_sha256", "64 hexadecimal digits, or empty"));
+    }
+    let record = BakeRecord {
+        kind,
+        rays: u32::try_from(integer("rays")?).map_err(|_| wrong("rays", "below 2^32"))?,
+        seed: integer("seed")?,
+        bias: bias.ok_or_else(|| wrong("bias", "a number ≥ 0"))?,
+        source: source.ok_or_else(|| wrong("source", "a list of strings"))?,
+        source_sha256,
+        ylm_version: text("ylm_version")?.to_owned(),
+    };
+    Ok((bands, record))
+}
+
+/// A tensor's rows, each of `width` elements, as `R`s; `row_count` if it is known already.
+fn rows<R: bytemuck::Pod>(
+    tensors: &SafeTensors,
+    name: &'static str,
+    dtype: Dtype,
+    row_count: Option<usize>,
+    width: usize,
+) -> std::result::Result<Vec<R>, BakedFault> {
+    let tensor = tensors.tensor(name).map_err(|_| BakedFault::MissingTensor(name))?;
+    if tensor.dtype() != dtype {
+        return Err(BakedFault::DType { name, expected: dtype, found: tensor.dtype() });
+    }
+    let row_count = row_count.or(tensor.shape().first().copied()).unwrap_or(0);
+    if tensor.shape() != [row_count, width] {
+        return Err(BakedFault::Shape {
+            name,
+            expected: vec![row_count, width],
+            found: tensor.shape().to_vec(),
+        });
+    }
+    Ok(bytemuck::pod_collect_to_vec(tensor.data()))
+}
+
+/// Rows of three finite f32.
+fn finite_rows<R: bytemuck::Pod>(
+    tensors: &SafeTensors,
+    name: &'static str,
+    row_count: Option<usize>,
+) -> std::result::Result<Vec<R>, BakedFault> {
+    let values = rows(tensors, name, Dtype::F32, row_count, 3)?;
+    check_finite(name, bytemuck::cast_slice(&values), 3)?;
+    Ok(values)
+}
+
+fn check_finite(name: &'static str, values: &[f32], width: usize) -> std::result::Result<(), BakedFault> {
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(index) => Err(BakedFault::NonFinite { name, row: index / width }),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,181 @@
+use proptest::prelude::*;
+use safetensors::tensor::TensorView;
+
+use super::*;
+
+/// One triangle of two bands, every number different.
+fn triangle() -> Baked {
+    let points = LightingPoints {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+        normals: vec![Vec3::X, Vec3::Y, Vec3::Z],
+        albedo: vec![[0.25, 0.5, 0.75], [1.0, 0.0, 0.125], [0.5, 0.5, 0.5]],
+        triangles: vec![[0, 1, 2]],
+    };
+    let vectors = (0..12).map(|i| i as f32 * 0.5 - 2.0).collect();
+    let record = BakeRecord {
+        kind: TransferKind::Shadowed,
+        rays: 1024,
+        seed: 7,
+        bias: 0.5,
+        source: vec!["triangle.ply".to_owned()],
+        source_sha256: "0123456789abcdef".repeat(4),
+        ylm_version: "0.1.0".to_owned(),
+    };
+    Baked { points, transfer: Transfer { bands: Bands::new(2).unwrap(), vectors }, record }
+}
+
+const HEADER: &str = concat!(
+    r#"{"__metadata__":{"ylm":"{\"bands\":2,\"bias\":0.5,"#,
+    r#"\"convention\":\"real orthonormal, Condon-Shortley, z polar, index l(l+1)+m\",\"format\":\"baked\","#,
+    r#"\"format_version\":1,\"rays\":1024,\"seed\":7,\"source\":[\"triangle.ply\"],"#,
+    r#"\"source_sha256\":\"0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef\","#,
+    r#"\"transfer\":\"shadowed\",\"ylm_version\":\"0.1.0\"}"},"#,
+    r#""positions":{"dtype":"F32","shape":[3,3],"data_offsets":[0,36]},"#,
+    r#""normals":{"dtype":"F32","shape":[3,3],"data_offsets":[36,72]},"#,
+    r#""albedo":{"dtype":"F32","shape":[3,3],"data_offsets":[72,108]},"#,
+    r#""triangles":{"dtype":"U32","shape":[1,3],"data_offsets":[108,120]},"#,
+    r#""transfer":{"dtype":"F32","shape":[3,4],"data_offsets":[120,168]}}"#,
+);
+
+fn written(baked: &Baked) -> Vec<u8> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("baked.safetensors");
+    write_baked(&path, baked).unwrap();
+    std::fs::read(&path).unwrap()
+}
+
+#[test]
+fn a_written_file_has_these_bytes() {
+    let mut expected = (HEADER.len().next_multiple_of(8) as u64).to_le_bytes().to_vec();
+    expected.extend(HEADER.bytes());
+    expected.resize(expected.len().next_multiple_of(8), b' ');
+    let floats: [f32; 27] = [
+        0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, // positions
+        1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, // normals
+        0.25, 0.5, 0.75, 1.0, 0.0, 0.125, 0.5, 0.5, 0.5, // albedo
+    ];
+    expected.extend(floats.iter().flat_map(|value| value.to_le_bytes()));
+    expected.extend([0u32, 1, 2].iter().flat_map(|value| value.to_le_bytes()));
+    expected.extend((0..12).flat_map(|i| (i as f32 * 0.5 - 2.0).to_le_bytes()));
+    assert_eq!(String::from_utf8_lossy(&written(&triangle())), String::from_utf8_lossy(&expected));
+}
+
+#[test]
+fn reading_gives_back_what_was_written() {
+    assert_eq!(parse_baked(&written(&triangle())).unwrap(), triangle());
+}
+
+#[test]
+fn every_truncation_is_refused() {
+    let bytes = written(&triangle());
+    for length in 0..bytes.len() {
+        assert!(parse_baked(&bytes[..length]).is_err(), "{length} of {} bytes", bytes.len());
+    }
+}
+
+/// The file with its metadata text changed, and its tensors replaced.
+fn changed(from: &str, to: &str, replaced: &[(&str, Dtype, &[usize], Vec<u8>)]) -> Vec<u8> {
+    let bytes = written(&triangle());
+    let tensors = SafeTensors::deserialize(&bytes).unwrap();
+    let about = metadata(&triangle()).to_string();
+    assert!(about.contains(from), "{about} has no {from}");
+    let entries = HashMap::from([(METADATA_KEY.to_owned(), about.replace(from, to))]);
+    let mut views: Vec<(String, TensorView)> =
+        tensors.iter().map(|(name, view)| (name.to_owned(), view.clone())).collect();
+    for (name, dtype, shape, data) in replaced {
+        views.retain(|(other, _)| other != name);
+        if !shape.is_empty() {
+            views.push(((*name).to_owned(), TensorView::new(*dtype, shape.to_vec(), data).unwrap()));
+        }
+    }
+    safetensors::serialize(views, Some(entries)).unwrap()
+}
+
+fn fault_of(bytes: &[u8]) -> String {
+    parse_baked(bytes).unwrap_err().to_string()
+}
+
+fn f32_bytes(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|value| value.to_le_bytes()).collect()
+}
+
+#[test]
+fn an_unchanged_copy_by_another_writer_is_accepted() {
+    assert_eq!(parse_baked(&changed("", "", &[])).unwrap(), triangle());
+    let extra: (&str, Dtype, &[usize], Vec<u8>) = ("mine", Dtype::U8, &[2], vec![1, 2]);
+    assert_eq!(parse_baked(&changed("", "", &[extra])).unwrap(), triangle());
+}
+
+#[test]
+fn each_lie_in_the_metadata_is_named() {
+    let cases = [
+        (r#""format_version":1"#, r#""format_version":2"#, "format version 2, and this ylm reads 1"),
+        (r#""format":"baked""#, r#""format":"toast""#, "metadata «format» must be \"baked\""),
+        ("Condon-Shortley, ", "", "metadata «convention» must be"),
+        (r#""bands":2"#, r#""bands":0"#, "0 bands asked for"),
+        (r#""bands":2"#, r#""bands":18446744073709551615"#, "this works for 1 to 256"),
+        (r#""bands":2"#, r#""bands":"2""#, "metadata «bands» must be a whole number"),
+        (r#""bands":2"#, r#""bands":3"#, "tensor «transfer» has shape [3, 4], must be [3, 9]"),
+        (r#""transfer":"shadowed""#, r#""transfer":"glossy""#, "metadata «transfer» must be"),
+        (r#""rays":1024"#, r#""rays":-1"#, "metadata «rays» must be a whole number"),
+        (r#""rays":1024"#, r#""rays":4294967296"#, "metadata «rays» must be below 2^32"),
+        (r#""bias":0.5"#, r#""bias":-0.5"#, "metadata «bias» must be a number ≥ 0"),
+        (r#"["triangle.ply"]"#, r#"[1]"#, "metadata «source» must be a list of strings"),
+        ("0123456789abcdef0123", "xyz", "metadata «source_sha256» must be 64 hexadecimal digits"),
+        (r#""ylm_version":"0.1.0""#, r#""x":1"#, "metadata «ylm_version» must be a string"),
+        ("{", "[", "metadata «ylm» is not a JSON object"),
+    ];
+    for (from, to, expected) in cases {
+        let fault = fault_of(&changed(from, to, &[]));
+        assert!(fault.contains(expected), "{from} → {to}: {fault}");
+    }
+    let nothing = safetensors::serialize(Vec::<(String, TensorView)>::new(), None).unwrap();
+    assert!(fault_of(&nothing).contains("not a baked scene"));
+    assert!(fault_of(b"ply\nformat ascii 1.0\n").contains("not a readable safetensors file"));
+}
+
+#[test]
+fn each_lie_in_the_tensors_is_named() {
+    let nan = f32_bytes(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, f32::NAN, 0.0]);
+    let long = f32_bytes(&[2.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+    let bright = f32_bytes(&[0.5, 0.5, 0.5, 0.5, 1.5, 0.5, 0.5, 0.5, 0.5]);
+    let infinite = f32_bytes(&[f32::INFINITY; 12]);
+    let outside: Vec<u8> = [0u32, 1, 3].iter().flat_map(|index| index.to_le_bytes()).collect();
+    type Case<'a> = ((&'a str, Dtype, &'a [usize], Vec<u8>), &'a str);
+    let cases: [Case; 10] = [
+        (("normals", Dtype::F32, &[], vec![]), "tensor «normals» is missing"),
+        (("normals", Dtype::I32, &[3, 3], vec![0; 36]), "tensor «normals» is I32, must be F32"),
+        (("normals", Dtype::F32, &[2, 3], vec![0; 24]), "tensor «normals» has shape [2, 3], must be [3, 3]"),
+        (("positions", Dtype::F32, &[9], vec![0; 36]), "tensor «positions» has shape [9], must be [9, 3]"),
+        (
+            ("positions", Dtype::F32, &[3, 3], nan),
+            "tensor «positions» holds a value that is not finite, first in row 2",
+        ),
+        (("normals", Dtype::F32, &[3, 3], long), "normal 0 has length 2, must be 1"),
+        (("albedo", Dtype::F32, &[3, 3], bright), "albedo of point 1 is outside 0 … 1"),
+        (("triangles", Dtype::U32, &[1, 3], outside), "triangle 0 names point 3, and there are 3"),
+        (
+            ("triangles", Dtype::U32, &[3, 1], vec![0; 12]),
+            "tensor «triangles» has shape [3, 1], must be [3, 3]",
+        ),
+        (
+            ("transfer", Dtype::F32, &[3, 4], infinite),
+            "tensor «transfer» holds a value that is not finite, first in row 0",
+        ),
+    ];
+    for (replaced, expected) in cases {
+        let fault = fault_of(&changed("", "", std::slice::from_ref(&replaced)));
+        assert_eq!(fault, expected);
+    }
+}
+
+proptest! {
+    /// Any byte of the file set to anything: refused, or read as another well-formed scene, and no panic.
+    #[test]
+    fn a_damaged_byte_never_panics(place in 0usize..1200, value: u8) {
+        let mut bytes = written(&triangle());
+        let place = place % bytes.len();
+        bytes[place] = value;
+        let _ = parse_baked(&bytes);
+    }
+}

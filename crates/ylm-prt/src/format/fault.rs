@@ -1,0 +1,90 @@
+//! The ways in which a baked file can lie.
+
+/// What is wrong with a baked file.
+#[derive(Debug, thiserror::Error)]
+pub enum BakedFault {
+    /// The container itself is broken or something else.
+    #[error("not a readable safetensors file: {0}")]
+    Container(#[from] safetensors::SafeTensorError),
+    /// A safetensors file of somebody else.
+    #[error(
+        "a safetensors file, but not a baked scene: it has no metadata «ylm»; bake a mesh with `ylm bake`"
+    )]
+    NotYlm,
+    /// The metadata is no JSON object.
+    #[error("metadata «ylm» is not a JSON object: {0}")]
+    MetadataJson(serde_json::Error),
+    /// A metadata entry is absent or of another type.
+    #[error("metadata «{key}» must be {expected}")]
+    Metadata {
+        /// Which entry.
+        key: &'static str,
+        /// What it must be.
+        expected: String,
+    },
+    /// Written by a later or broken ylm.
+    #[error(
+        "format version {found}, and this ylm reads {supported}; use the ylm that wrote it, or bake again"
+    )]
+    Version {
+        /// In the file.
+        found: u64,
+        /// Of this reader.
+        supported: u64,
+    },
+    /// A tensor is absent.
+    #[error("tensor «{0}» is missing")]
+    MissingTensor(&'static str),
+    /// A tensor has another element type.
+    #[error("tensor «{name}» is {found:?}, must be {expected:?}")]
+    DType {
+        /// Which tensor.
+        name: &'static str,
+        /// What it must be.
+        expected: safetensors::Dtype,
+        /// What it is.
+        found: safetensors::Dtype,
+    },
+    /// A tensor has another shape.
+    #[error("tensor «{name}» has shape {found:?}, must be {expected:?}")]
+    Shape {
+        /// Which tensor.
+        name: &'static str,
+        /// What it must be.
+        expected: Vec<usize>,
+        /// What it is.
+        found: Vec<usize>,
+    },
+    /// A tensor holds NaN or an infinity.
+    #[error("tensor «{name}» holds a value that is not finite, first in row {row}")]
+    NonFinite {
+        /// Which tensor.
+        name: &'static str,
+        /// The first row with one.
+        row: usize,
+    },
+    /// A normal is not of unit length.
+    #[error("normal {row} has length {length}, must be 1")]
+    NormalLength {
+        /// Which lighting point.
+        row: usize,
+        /// Its length.
+        length: f32,
+    },
+    /// An albedo that no surface has.
+    #[error("albedo of point {row} is outside 0 … 1")]
+    AlbedoRange {
+        /// Which lighting point.
+        row: usize,
+    },
+    /// A triangle names a point that is not there.
+    #[error("triangle {triangle} names point {point}, and there are {count}")]
+    PointOutOfRange {
+        /// Which triangle.
+        triangle: usize,
+        /// The point it names.
+        point: u32,
+        /// How many points there are.
+        count: usize,
+    },
+}
