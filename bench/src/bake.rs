@@ -199,12 +199,11 @@ pub fn run_memory(options: &Options) -> Vec<Table> {
     let transfer = bake(&points, &bvh, &settings(bands, rays), &()).expect("rays to cast");
     let peak = (machine::peak_bytes() - idle) as f64;
     let output = size_of_val(transfer.vectors.as_slice()) as f64;
-    let LightingPoints { positions, normals, albedo, triangles, position_ids } = &points;
+    let LightingPoints { positions, normals, albedo, triangles } = &points;
     let mesh_bytes = size_of_val(positions.as_slice())
         + size_of_val(normals.as_slice())
         + size_of_val(albedo.as_slice())
-        + size_of_val(triangles.as_slice())
-        + size_of_val(position_ids.as_slice());
+        + size_of_val(triangles.as_slice());
     let (mesh_bytes, bvh_bytes) = (mesh_bytes as f64, bvh.size_bytes() as f64);
     let megabytes = |bytes: f64| format!("{:.1}", bytes / 1e6);
     table.row(vec![

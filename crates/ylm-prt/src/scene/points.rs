@@ -19,8 +19,6 @@ pub struct LightingPoints {
     pub albedo: Vec<[f32; 3]>,
     /// The mesh's triangles with area, as indices of lighting points.
     pub triangles: Vec<[u32; 3]>,
-    /// For each lighting point, a number that exactly those at the same position share; below the number of positions.
-    pub position_ids: Vec<u32>,
 }
 
 impl LightingPoints {
@@ -47,7 +45,6 @@ impl LightingPoints {
 
         let mut points = Self { triangles: vec![[0; 3]; lit.len()], ..Self::default() };
         let mut point_of: HashMap<[u32; 9], u32> = HashMap::new();
-        let mut position_of: HashMap<[u32; 3], u32> = HashMap::new();
         for (triangle, k) in corners_by_position(mesh, &lit) {
             let position = without_negative_zero(mesh.positions[mesh.triangles[lit[triangle]][k] as usize]);
             let normal = without_negative_zero(normals.vectors[normals.triangles[lit[triangle]][k] as usize]);
@@ -59,8 +56,6 @@ impl LightingPoints {
             let mut key = [0; 9];
             key.as_chunks_mut::<3>().0.copy_from_slice(&[p, n, a]);
             let point = *point_of.entry(key).or_insert_with(|| {
-                let new_id = position_of.len() as u32;
-                points.position_ids.push(*position_of.entry(p).or_insert(new_id));
                 points.positions.push(position);
                 points.normals.push(normal);
                 points.albedo.push(albedo);
