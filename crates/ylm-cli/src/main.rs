@@ -1,1 +1,67 @@
-fn main() {}
+//! The `ylm` command: parse, run a verb, report.
+
+mod bake;
+mod compare;
+mod demo;
+mod info;
+mod interrupt;
+mod light;
+mod options;
+mod output;
+mod progress;
+mod render;
+mod shading;
+mod source;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use output::{Output, OutputOptions};
+
+/// Spherical-harmonic lighting: bake light transport once, relight in real time.
+#[derive(Parser)]
+#[command(name = "ylm", version, arg_required_else_help = true, after_help = AFTER_HELP)]
+struct Arguments {
+    #[command(subcommand)]
+    verb: Verb,
+    #[command(flatten)]
+    output: OutputOptions,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    Demo(demo::Arguments),
+    Bake(bake::Arguments),
+    Light(light::Arguments),
+    Render(render::Arguments),
+    Compare(compare::Arguments),
+    Info(info::Arguments),
+}
+
+const AFTER_HELP: &str = "\
+Start here:
+  ylm demo                                                  a built-in scene, with a report in HTML
+  ylm bake model.obj -o model.safetensors                   transfer of your mesh
+  ylm render model.safetensors --light probe.hdr -o a.png   a picture under your probe";
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let output = Output::new(&arguments.output);
+    interrupt::install();
+    let result = match &arguments.verb {
+        Verb::Demo(arguments) => demo::run(arguments, &output),
+        Verb::Bake(arguments) => bake::run(arguments, &output),
+        Verb::Light(arguments) => light::run(arguments, &output),
+        Verb::Render(arguments) => render::run(arguments, &output),
+        Verb::Compare(arguments) => compare::run(arguments, &output),
+        Verb::Info(arguments) => info::run(arguments, &output),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("ylm: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

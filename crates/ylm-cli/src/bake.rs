@@ -1,0 +1,141 @@
+//! `ylm bake`: models in, transfer out.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use serde_json::json;
+use ylm::Bands;
+use ylm_prt::error::{Error, Result};
+use ylm_prt::format::write_baked;
+use ylm_prt::scene::Bvh;
+use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, TransferKind, bake};
+
+use crate::interrupt;
+use crate::options;
+use crate::output::Output;
+use crate::progress::BakeProgress;
+use crate::source::{ModelOptions, read_models};
+
+/// Bake the light transport of models: what each point of their surface sees of the light around
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  ylm bake bunny.ply -o bunny.safetensors
+  ylm bake hall.obj chairs.glb -o room.safetensors --up z --bands 6 --quality final")]
+pub struct Arguments {
+    /// Meshes: .ply .obj .stl .gltf .glb; several are baked as one scene
+    #[arg(required = true, value_name = "MODEL")]
+    models: Vec<PathBuf>,
+    /// The file to write (safetensors)
+    #[arg(short, long, value_name = "BAKED")]
+    output: PathBuf,
+    /// SH bands, 1 to 256; n bands are n² coefficients a point
+    #[arg(long, default_value = "5", value_parser = options::bands, value_name = "N")]
+    bands: Bands,
+    /// What light transport to bake
+    #[arg(long, value_enum, default_value_t = Transfer::Shadowed)]
+    transfer: Transfer,
+    /// Rays a point (default: by quality)
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 20), value_name = "S", conflicts_with = "quality")]
+    rays: Option<u32>,
+    /// 256, 1024 or 4096 rays a point
+    #[arg(long, value_enum, default_value_t = Quality::Medium)]
+    quality: Quality,
+    /// How far rays start from the surface, as a fraction of the diagonal of its bounding box
+    #[arg(long, default_value_t = BakeSettings::BIAS, value_parser = options::fraction, value_name = "E")]
+    bias: f32,
+    /// Diffuse albedo of the whole scene, instead of the models' own
+    #[arg(long, value_parser = options::albedo, value_name = "R,G,B")]
+    albedo: Option<[f32; 3]>,
+    /// Seed of the sample directions; the same seed gives the same bytes
+    #[arg(long, default_value_t = 0, value_name = "K")]
+    seed: u64,
+    /// Threads (default: all hardware threads); the result does not depend on it
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), value_name = "T")]
+    threads: Option<u16>,
+    #[command(flatten)]
+    model: ModelOptions,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Transfer {
+    /// The cosine alone: no shadows, no rays
+    Unshadowed,
+    /// Cosine times visibility
+    Shadowed,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Quality {
+    Preview,
+    Medium,
+    Final,
+}
+
+impl Quality {
+    fn rays(self) -> u32 {
+        match self {
+            Quality::Preview => 256,
+            Quality::Medium => 1024,
+            Quality::Final => 4096,
+        }
+    }
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
+    let _guard = interrupt::Guard::new();
+    if let Some(threads) = arguments.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+        pool.map_err(|error| Error::Request(format!("{threads} threads: {error}")))?;
+    }
+    let start = Instant::now();
+    let mut source = read_models(&arguments.models, &arguments.model, output)?;
+    if let Some(albedo) = arguments.albedo {
+        source.points.albedo.fill(albedo);
+    }
+    let kind = match arguments.transfer {
+        Transfer::Unshadowed => TransferKind::Unshadowed,
+        Transfer::Shadowed => TransferKind::Shadowed,
+    };
+    let settings = BakeSettings {
+        bands: arguments.bands,
+        kind,
+        rays: arguments.rays.unwrap_or(arguments.quality.rays()),
+        seed: arguments.seed,
+        bias: arguments.bias,
+    };
+    let bvh = Bvh::build(&source.points.positions, &source.points.triangles);
+    let point_count = source.points.positions.len();
+    let triangle_count = source.points.triangles.len();
+    output.step(&format!(
+        "{point_count} lighting points, ready for rays in {:.1} s",
+        start.elapsed().as_secs_f64()
+    ));
+
+    let progress = BakeProgress::new(output, point_count);
+    let transfer = bake(&source.points, &bvh, &settings, &progress);
+    progress.finish();
+    let transfer = transfer?;
+    let (bake_seconds, ray_count) = (progress.seconds(), progress.ray_count());
+
+    let record = BakeRecord::new(&settings, source.names, source.sha256);
+    let baked = Baked { points: source.points, transfer, record };
+    write_baked(&arguments.output, &baked)?;
+
+    let (bands, seconds) = (settings.bands.count(), start.elapsed().as_secs_f64());
+    let rate = ray_count as f64 / bake_seconds / 1e6;
+    let rays = if ray_count == 0 { String::new() } else { format!(", {rate:.1} Mrays/s") };
+    let text = format!(
+        "{}: {point_count} points, {triangle_count} triangles, {bands} bands, {} transfer; {seconds:.1} s{rays}\n",
+        arguments.output.display(),
+        kind.name(),
+    );
+    let value = json!({
+        "output": arguments.output, "points": point_count, "triangles": triangle_count, "bands": bands,
+        "transfer": kind.name(), "rays_a_point": baked.record.rays, "rays": ray_count, "seconds": seconds,
+        "bake_seconds": bake_seconds, "rays_a_second": ray_count as f64 / bake_seconds,
+    });
+    output.result(&text, &value);
+    Ok(())
+}

@@ -1,0 +1,171 @@
+//! `ylm info`: what a file holds; reading it validates it.
+
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Map, Value, json};
+use ylm_prt::error::{Error, Result};
+use ylm_prt::format::read_baked;
+use ylm_prt::image::{Image, ReadOptions};
+use ylm_prt::light::{LightCoeffs, Probe};
+use ylm_prt::scene::{LightingPoints, Mesh, Topology};
+
+use crate::output::Output;
+use crate::source::ModelOptions;
+
+/// Tell what a mesh, probe, baked scene, light or picture holds, and validate it
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The file
+    file: PathBuf,
+    #[command(flatten)]
+    model: ModelOptions,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
+    let path = &arguments.file;
+    let facts = match Kind::of(path)? {
+        Kind::Baked => baked(path)?,
+        Kind::Light => light(path)?,
+        Kind::Probe => probe(path, &arguments.model.probe_options())?,
+        Kind::Picture => picture(path)?,
+        Kind::Mesh => mesh(path, &arguments.model)?,
+    };
+    output.result(&text(path, &facts), &Value::Object(facts));
+    Ok(())
+}
+
+enum Kind {
+    Mesh,
+    Probe,
+    Picture,
+    Baked,
+    Light,
+}
+
+impl Kind {
+    /// By the first bytes; by the name where those leave it open.
+    fn of(path: &Path) -> Result<Self> {
+        let mut start = Vec::new();
+        let file = File::open(path).map_err(|error| Error::io(path, error))?;
+        file.take(16).read_to_end(&mut start).map_err(|error| Error::io(path, error))?;
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        Ok(match (&start[..], extension.as_str()) {
+            ([0x89, b'P', b'N', b'G', ..], _) => Self::Picture,
+            ([b'#', b'?', ..] | [b'P', b'F' | b'f', ..] | [b'D', b'D', b'S', b' ', ..], _) => Self::Probe,
+            ([0x76, 0x2f, 0x31, 0x01, ..], _) | (_, "hdr" | "exr" | "pfm" | "dds" | "float") => Self::Probe,
+            ([_, _, _, _, _, 0, 0, 0, b'{', ..], _) | (_, "safetensors") => Self::Baked,
+            (_, "json") => Self::Light,
+            _ => Self::Mesh,
+        })
+    }
+}
+
+fn object(value: Value) -> Map<String, Value> {
+    match value {
+        Value::Object(map) => map,
+        _ => Map::new(),
+    }
+}
+
+fn mesh(path: &Path, options: &ModelOptions) -> Result<Map<String, Value>> {
+    let mesh = Mesh::open(path, &options.read_options())?;
+    // Formats with a vertex for each normal cut the surface along its creases; what matters is where it is open.
+    let topology = Topology::of(&mesh);
+    let welded = Topology::of(&mesh.welded());
+    // A file without faces is a mesh of no lighting points, and still a file that can be told about.
+    let point_count = LightingPoints::from_mesh(&mesh).map_or(0, |points| points.positions.len());
+    Ok(object(json!({
+        "kind": "mesh",
+        "vertices": mesh.positions.len(),
+        "triangles": mesh.triangles.len(),
+        "lighting_points": point_count,
+        "normals": mesh.normals.is_some(),
+        "albedo": mesh.albedo.is_some(),
+        "closed": welded.is_closed(),
+        "components": welded.component_count,
+        "boundary_edges": welded.boundary_edge_count,
+        "non_manifold_edges": welded.non_manifold_edge_count,
+        "duplicate_triangles": topology.duplicate_triangle_count,
+        "degenerate_triangles": topology.degenerate_triangle_count,
+        "unused_vertices": topology.unused_vertex_count,
+        "bounds": mesh.bounds().map(|bounds| bounds.map(|corner| corner.to_array())),
+        "surface_area": mesh.surface_area(),
+        "signed_volume": welded.is_closed().then(|| mesh.signed_volume()),
+    })))
+}
+
+fn probe(path: &Path, options: &ReadOptions) -> Result<Map<String, Value>> {
+    let probe = Probe::open(path, None, options)?;
+    let statistics = probe.statistics();
+    Ok(object(json!({
+        "kind": "probe",
+        "size": [statistics.width, statistics.height],
+        "layout": format!("{:?}", statistics.layout),
+        "mean_radiance": statistics.mean,
+        "max": statistics.max,
+        "brightest_texel": statistics.brightest,
+        "brightest_direction": statistics.brightest_direction,
+        "brightest_share": statistics.brightest_share,
+        "repaired": statistics.repaired,
+    })))
+}
+
+fn picture(path: &Path) -> Result<Map<String, Value>> {
+    let bytes = std::fs::read(path).map_err(|error| Error::io(path, error))?;
+    let image = Image::decode_png(&bytes).map_err(|fault| Error::file(path, fault))?;
+    Ok(object(json!({ "kind": "picture", "size": [image.width, image.height] })))
+}
+
+fn baked(path: &Path) -> Result<Map<String, Value>> {
+    let baked = read_baked(path)?;
+    let record = &baked.record;
+    Ok(object(json!({
+        "kind": "baked",
+        "points": baked.points.positions.len(),
+        "triangles": baked.points.triangles.len(),
+        "bands": baked.transfer.bands.count(),
+        "transfer": record.kind.name(),
+        "rays": record.rays,
+        "seed": record.seed,
+        "bias": record.bias,
+        "source": record.source,
+        "source_sha256": record.source_sha256,
+        "ylm_version": record.ylm_version,
+    })))
+}
+
+fn light(path: &Path) -> Result<Map<String, Value>> {
+    let coeffs = LightCoeffs::open(path)?;
+    let energies = (0..coeffs.bands.count()).map(|l| {
+        let of = |channel: &Vec<f32>| {
+            channel[l * l..(l + 1) * (l + 1)].iter().map(|c| f64::from(c * c)).sum::<f64>()
+        };
+        coeffs.channels.each_ref().map(of)
+    });
+    Ok(object(json!({
+        "kind": "light",
+        "bands": coeffs.bands.count(),
+        "mean_radiance": crate::light::mean_radiance(&coeffs).to_array(),
+        "band_energies": energies.collect::<Vec<_>>(),
+    })))
+}
+
+/// A fact a line, names in words.
+fn text(path: &Path, facts: &Map<String, Value>) -> String {
+    let mut text = format!("{}\n", path.display());
+    for (name, value) in facts {
+        let value = match value {
+            Value::String(value) => value.clone(),
+            Value::Bool(true) => "yes".to_owned(),
+            Value::Bool(false) => "no".to_owned(),
+            Value::Null => "–".to_owned(),
+            other => other.to_string(),
+        };
+        let _ = writeln!(text, "  {:<20} {value}", name.replace('_', " "));
+    }
+    text
+}

@@ -1,0 +1,267 @@
+//! Parsers of option values; what they refuse is wrong usage, exit status 2.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use glam::{EulerRot, Quat, Vec3};
+use ylm::Bands;
+use ylm::window::Window;
+use ylm_prt::error::Result as PrtResult;
+use ylm_prt::image::ReadOptions;
+use ylm_prt::light::{Light, LightCoeffs};
+use ylm_prt::scene::{Camera, View};
+
+/// What `--light` understands, for the help of the verbs that take one.
+pub const LIGHT_HELP: &str = "\
+LIGHT is a file (.hdr .exr .pfm .dds .float, or .json of `ylm light`) or a formula:
+  white    sky:overcast    sky:clear?sun=45,180    disc?dir=0,1,1&angle=20
+and sums of them: probe.hdr+disc?dir=0,1,0&angle=5. A part takes intensity=2 and color=1,0.9,0.8; angles are degrees.
+A probe's layout is detected, or forced: probe.hdr?layout=latlong|angular|cross|cube|mirror
+
+Examples:
+  ylm render bunny.safetensors --light probe.hdr -o bunny.png --exposure auto --tonemap agx
+  ylm render bunny.safetensors --light 'sky:clear?sun=35,120' -o bunny.exr --camera 30,15,3
+  ylm light probe.hdr --bands 6 --window hann:6 -o probe.json";
+
+/// `--bands`.
+pub fn bands(text: &str) -> Result<Bands, String> {
+    let count: usize = text.parse().map_err(|_| "must be a whole number from 1 to 256".to_owned())?;
+    Bands::new(count).map_err(|error| error.to_string())
+}
+
+/// `WxH`, each 1 … 16384.
+pub fn size(text: &str) -> Result<(usize, usize), String> {
+    let side = |text: &str| text.parse().ok().filter(|side| (1..=16384).contains(side));
+    let sides = text.split_once(['x', '×']).and_then(|(width, height)| Some((side(width)?, side(height)?)));
+    sides.ok_or("must be WIDTHxHEIGHT, each 1 to 16384, as in 800x600".to_owned())
+}
+
+/// `R,G,B`, each 0 … 1, or one number for all three.
+pub fn albedo(text: &str) -> Result<[f32; 3], String> {
+    let wrong = || "must be R,G,B or one number, each 0 to 1, as in 0.8,0.6,0.4".to_owned();
+    let values = numbers(text).ok_or_else(wrong)?;
+    let rgb = match values[..] {
+        [gray] => [gray; 3],
+        [r, g, b] => [r, g, b],
+        _ => return Err(wrong()),
+    };
+    if rgb.iter().all(|value| (0.0..=1.0).contains(value)) { Ok(rgb) } else { Err(wrong()) }
+}
+
+/// `AZ,EL` in degrees.
+pub fn azimuth_elevation(text: &str) -> Result<[f32; 2], String> {
+    let wrong = || "must be AZIMUTH,ELEVATION in degrees, as in 30,15".to_owned();
+    numbers(text).and_then(|values| values.try_into().ok()).ok_or_else(wrong)
+}
+
+/// Where the camera stands: `AZ,EL` or `AZ,EL,DIST`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CameraPlace {
+    view: View,
+    /// In radii of the model; none: all of the model in view.
+    distance: Option<f32>,
+}
+
+/// How much of the picture is left free around a model that is fitted into it.
+const FIT_MARGIN: f32 = 0.08;
+
+impl CameraPlace {
+    /// The camera for a model and a picture of this width over height.
+    pub fn camera(&self, positions: &[Vec3], aspect: f32) -> PrtResult<Camera> {
+        match self.distance {
+            Some(distance) => Camera::orbit(positions, &self.view, distance),
+            None => Camera::fit(positions, &self.view, aspect, FIT_MARGIN),
+        }
+    }
+}
+
+impl FromStr for CameraPlace {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong =
+            || "must be AZIMUTH,ELEVATION in degrees, with ,DISTANCE in radii of the model, as in 30,15,3";
+        let values = numbers(text).ok_or_else(wrong)?;
+        let (azimuth, elevation, distance) = match values[..] {
+            [azimuth, elevation] => (azimuth, elevation, None),
+            [azimuth, elevation, distance] if distance > 0.0 => (azimuth, elevation, Some(distance)),
+            _ => return Err(wrong().to_owned()),
+        };
+        let view =
+            View { azimuth: azimuth.to_radians(), elevation: elevation.to_radians(), ..View::default() };
+        Ok(Self { view, distance })
+    }
+}
+
+/// `--exposure`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Exposure {
+    /// Stops.
+    Stops(f32),
+    /// From the light alone, so that every shading of one light gets the same.
+    Auto,
+}
+
+/// What `--exposure auto` makes of a white surface that sees all of the light.
+const AUTO_LEVEL: f32 = 0.5;
+
+impl Exposure {
+    /// Stops for a light whose mean radiance this is.
+    pub fn stops(self, mean_radiance: Vec3) -> f32 {
+        // Rec. 709 luminance.
+        let luminance = mean_radiance.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+        match self {
+            Self::Stops(stops) => stops,
+            Self::Auto if luminance > 0.0 => (AUTO_LEVEL / luminance).log2(),
+            Self::Auto => 0.0,
+        }
+    }
+}
+
+impl FromStr for Exposure {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self::Auto),
+            _ => finite(text)
+                .ok()
+                .filter(|stops| stops.abs() <= 64.0)
+                .map(Self::Stops)
+                .ok_or("must be stops, −64 to 64, or `auto`".to_owned()),
+        }
+    }
+}
+
+/// A picture's name; the ending says what is written.
+pub fn picture(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("png" | "exr") => Ok(path),
+        _ => Err("must end in .png or .exr".to_owned()),
+    }
+}
+
+/// `--window`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WindowChoice(Option<Window>);
+
+impl FromStr for WindowChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong =
+            || "must be none, hann:W, lanczos:W or gauss:W, W the width in bands, as in hann:6".to_owned();
+        if text == "none" {
+            return Ok(Self(None));
+        }
+        let (kind, width) = text.split_once(':').ok_or_else(wrong)?;
+        let width =
+            width.parse().ok().filter(|width: &f64| *width > 0.0 && width.is_finite()).ok_or_else(wrong)?;
+        match kind {
+            "hann" => Ok(Self(Some(Window::Hann(width)))),
+            "lanczos" => Ok(Self(Some(Window::Lanczos(width)))),
+            "gauss" => Ok(Self(Some(Window::Gauss(width)))),
+            _ => Err(wrong()),
+        }
+    }
+}
+
+/// What light, and how it is brought into SH.
+#[derive(clap::Args)]
+pub struct LightOptions {
+    /// Turn the light so that what came from +z comes from this azimuth and elevation, in degrees
+    #[arg(long, value_parser = azimuth_elevation, value_name = "AZ,EL", allow_hyphen_values = true)]
+    light_rotation: Option<[f32; 2]>,
+    /// Damp high bands against ringing: none, hann:W, lanczos:W, gauss:W, the width W in bands
+    #[arg(long, default_value = "none", value_name = "WINDOW")]
+    window: WindowChoice,
+    /// Set NaN, infinite and negative texels of a probe to zero instead of refusing it
+    #[arg(long)]
+    repair: bool,
+}
+
+impl LightOptions {
+    /// Reads and turns a light.
+    ///
+    /// # Errors
+    /// If the description is wrong or a file cannot be read.
+    pub fn read(&self, spec: &str) -> PrtResult<Light> {
+        let options = if self.repair { ReadOptions::REPAIRED } else { ReadOptions::RADIANCE };
+        let light = Light::parse_with(spec, &options)?;
+        Ok(match self.light_rotation {
+            Some(to) => light.rotated(rotation(to)),
+            None => light,
+        })
+    }
+
+    /// The light's coefficients, damped as asked for.
+    ///
+    /// # Errors
+    /// If a coefficient leaves the range of f32.
+    pub fn project(&self, light: &Light, bands: Bands) -> PrtResult<LightCoeffs> {
+        let coeffs = light.project(bands)?;
+        match self.window.0 {
+            Some(window) => coeffs.windowed(window),
+            None => Ok(coeffs),
+        }
+    }
+}
+
+/// The rotation that takes +z to a direction given by azimuth (from +z towards +x) and elevation, in degrees.
+fn rotation([azimuth, elevation]: [f32; 2]) -> Quat {
+    Quat::from_euler(EulerRot::YXZ, azimuth.to_radians(), -elevation.to_radians(), 0.0)
+}
+
+/// A finite number.
+pub fn finite(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|value: &f32| value.is_finite()).ok_or("must be a finite number".to_owned())
+}
+
+/// A number from 0 to below 1.
+pub fn fraction(text: &str) -> Result<f32, String> {
+    finite(text).ok().filter(|value| (0.0..1.0).contains(value)).ok_or("must be from 0 to below 1".to_owned())
+}
+
+/// Finite numbers between commas.
+pub fn numbers(text: &str) -> Option<Vec<f32>> {
+    text.split(',').map(|part| finite(part.trim()).ok()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_rotation_takes_z_to_azimuth_and_elevation() {
+        for (angles, expected) in
+            [([90.0, 0.0], Vec3::X), ([0.0, 90.0], Vec3::Y), ([180.0, 0.0], Vec3::NEG_Z)]
+        {
+            assert!((rotation(angles) * Vec3::Z - expected).length() <= 1e-6, "{angles:?}");
+        }
+    }
+
+    #[test]
+    fn automatic_exposure_shows_the_lights_mean_as_half() {
+        assert_eq!("auto".parse::<Exposure>().unwrap().stops(Vec3::splat(2.0)), -2.0);
+        assert_eq!("-1.5".parse::<Exposure>().unwrap().stops(Vec3::ONE), -1.5);
+        assert!("dark".parse::<Exposure>().is_err() && "1000".parse::<Exposure>().is_err());
+    }
+
+    #[test]
+    fn values_outside_the_range_are_refused() {
+        assert!(bands("6").is_ok() && bands("0").is_err() && bands("257").is_err() && bands("six").is_err());
+        assert_eq!(size("800x600"), Ok((800, 600)));
+        assert!(
+            size("0x600").is_err()
+                && size("800").is_err()
+                && size("99999x1").is_err()
+                && size("-1x2").is_err()
+        );
+        assert_eq!(albedo("0.5"), Ok([0.5; 3]));
+        assert!(albedo("0.5,0.5").is_err() && albedo("1.5").is_err() && albedo("nan").is_err());
+        assert_eq!(azimuth_elevation("30,-15"), Ok([30.0, -15.0]));
+        assert!(azimuth_elevation("30").is_err() && azimuth_elevation("inf,0").is_err());
+        assert!(fraction("-1").is_err() && fraction("1").is_err() && fraction("0").is_ok());
+    }
+}

@@ -1,0 +1,160 @@
+//! `ylm render`: a baked scene under a light, as a picture.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::Vec3;
+use serde_json::json;
+use ylm::Bands;
+use ylm_prt::error::Result;
+use ylm_prt::format::read_baked;
+use ylm_prt::image::Image;
+use ylm_prt::light::{Light, Source};
+use ylm_prt::render::{Raster, ToneMap, develop, render};
+use ylm_prt::scene::Bvh;
+use ylm_prt::transfer::Baked;
+
+use crate::interrupt;
+use crate::light::mean_radiance;
+use crate::options::{self, CameraPlace, Exposure, LightOptions};
+use crate::output::Output;
+use crate::shading::{self, Shaded};
+
+/// Draw a baked scene under a light
+#[derive(clap::Args)]
+#[command(after_help = options::LIGHT_HELP)]
+pub struct Arguments {
+    /// A file that `ylm bake` wrote
+    baked: PathBuf,
+    /// A probe, a formula, or a sum; see below
+    #[arg(long, value_name = "LIGHT")]
+    light: String,
+    #[command(flatten)]
+    options: LightOptions,
+    /// The picture to write: .png, or .exr for linear radiance
+    #[arg(short, long, value_name = "PICTURE", value_parser = options::picture)]
+    output: PathBuf,
+    /// How vertices are lit
+    #[arg(long, value_enum, default_value_t = Shading::Diffuse)]
+    shading: Shading,
+    /// Use the light's first N bands only; with --shading reference, light by what they hold
+    #[arg(long, value_parser = options::bands, value_name = "N")]
+    light_bands: Option<Bands>,
+    /// Rays a vertex of --shading reference
+    #[arg(long, default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=1 << 24), value_name = "S")]
+    rays: u32,
+    /// Azimuth and elevation of the camera in degrees, and its distance in radii of the model
+    /// (default: from the front right, all of the model in view)
+    #[arg(long, value_name = "AZ,EL[,DIST]", allow_hyphen_values = true)]
+    camera: Option<CameraPlace>,
+    /// Size of the picture
+    #[arg(long, default_value = "800x600", value_parser = options::size, value_name = "WxH")]
+    size: (usize, usize),
+    /// Rays a pixel
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..=1024), value_name = "K")]
+    samples: u16,
+    /// Stops of exposure, or auto: a white surface that sees all of the light shows as 0.5
+    #[arg(long, default_value = "0", value_name = "EV", allow_hyphen_values = true)]
+    exposure: Exposure,
+    /// From radiance to display; .exr takes none
+    #[arg(long, default_value = "none", value_name = "none|reinhard|aces|agx")]
+    tonemap: ToneMap,
+    /// What is seen past the model
+    #[arg(long, value_enum, default_value_t = Background::Light)]
+    background: Background,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Shading {
+    /// Dot products of baked transfer and the light's coefficients
+    Diffuse,
+    /// Brute force: rays from every vertex into the light, no spherical harmonics
+    Reference,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Background {
+    /// The light itself
+    Light,
+    /// Nothing
+    Black,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
+    let start = Instant::now();
+    let baked = read_baked(&arguments.baked)?;
+    let light = arguments.options.read(&arguments.light)?;
+    let bvh = Bvh::build(&baked.points.positions, &baked.points.triangles);
+    output.step(&format!(
+        "{} points read in {:.2} s",
+        baked.points.positions.len(),
+        start.elapsed().as_secs_f64()
+    ));
+
+    let shade_start = Instant::now();
+    let shaded = shade(arguments, &baked, &light, &bvh)?;
+    let shade_seconds = shade_start.elapsed().as_secs_f64();
+    if shaded.negative_count() > 0 {
+        output.warn(&format!(
+            "{} of {} points have negative radiance: the light rings at these bands; a --window damps it",
+            shaded.negative_count(),
+            shaded.radiance.len()
+        ));
+    }
+
+    let render_start = Instant::now();
+    let (width, height) = arguments.size;
+    let raster = Raster { width, height, samples: arguments.samples.into() };
+    let place = arguments.camera.unwrap_or_default();
+    let camera = place.camera(&baked.points.positions, raster.aspect())?;
+    let background = |direction: Vec3| match arguments.background {
+        Background::Light => light.radiance(direction),
+        Background::Black => Vec3::ZERO,
+    };
+    let image = render(&baked.points, &bvh, &shaded.radiance, &camera, &raster, &background)?;
+    let mean = mean_radiance(&light.project(Bands::new(1)?)?);
+    write_picture(arguments, image, arguments.exposure.stops(mean))?;
+    let render_seconds = render_start.elapsed().as_secs_f64();
+
+    let shading = format!("{:?}", arguments.shading).to_lowercase();
+    let noise = shaded.noise.map_or(String::new(), |noise| format!(", noise {:.2} %", 100.0 * noise));
+    let text = format!(
+        "{}: {width}×{height}, {shading} shading{noise}; {:.2} s\n",
+        arguments.output.display(),
+        start.elapsed().as_secs_f64()
+    );
+    let value = json!({
+        "output": arguments.output, "size": [width, height], "light": arguments.light, "shading": shading,
+        "bands": baked.transfer.bands.count(), "light_bands": arguments.light_bands.map(Bands::count),
+        "points": shaded.radiance.len(), "radiance": shaded.statistics(), "noise": shaded.noise,
+        "shade_seconds": shade_seconds, "render_seconds": render_seconds, "seconds": start.elapsed().as_secs_f64(),
+    });
+    output.result(&text, &value);
+    Ok(())
+}
+
+fn shade(arguments: &Arguments, baked: &Baked, light: &Light, bvh: &Bvh) -> Result<Shaded> {
+    let coeffs = |bands| arguments.options.project(light, bands);
+    match (arguments.shading, arguments.light_bands) {
+        (Shading::Diffuse, bands) => {
+            let bands = bands.map_or(baked.transfer.bands, |bands| bands.min(baked.transfer.bands));
+            Ok(shading::diffuse(baked, &coeffs(bands)?))
+        }
+        (Shading::Reference, Some(bands)) => {
+            let light = Light::of(Source::Coeffs(Arc::new(coeffs(bands)?)));
+            shading::reference(baked, bvh, &light, arguments.rays)
+        }
+        (Shading::Reference, None) => shading::reference(baked, bvh, light, arguments.rays),
+    }
+}
+
+fn write_picture(arguments: &Arguments, mut image: Image, exposure: f32) -> Result<()> {
+    let _guard = interrupt::Guard::new();
+    if arguments.output.extension().is_some_and(|extension| extension == "exr") {
+        image.pixels.iter_mut().flatten().for_each(|value| *value *= exposure.exp2());
+        return image.write_exr(&arguments.output);
+    }
+    develop(&image, exposure, arguments.tonemap).write_png(&arguments.output)
+}

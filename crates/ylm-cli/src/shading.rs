@@ -1,0 +1,70 @@
+//! How vertices are lit: by SH or by brute force.
+
+use glam::{DVec3, Vec3};
+use serde_json::{Value, json};
+use ylm_prt::error::Result;
+use ylm_prt::light::{Light, LightCoeffs};
+use ylm_prt::reference::{Irradiance, Occlusion, Settings, irradiance};
+use ylm_prt::scene::{Bvh, LightingPoints};
+use ylm_prt::shade::shade_diffuse;
+use ylm_prt::transfer::{Baked, TransferKind};
+
+use crate::interrupt;
+
+/// Radiance that leaves each lighting point.
+pub struct Shaded {
+    /// One RGB radiance a point.
+    pub radiance: Vec<Vec3>,
+    /// Relative L2 noise to expect, where rays were drawn.
+    pub noise: Option<f64>,
+}
+
+/// Lights by dot products.
+pub fn diffuse(baked: &Baked, light: &LightCoeffs) -> Shaded {
+    Shaded { radiance: shade_diffuse(baked, light), noise: None }
+}
+
+/// Lights by rays from the light itself, with the occlusion that the bake had.
+///
+/// # Errors
+/// If the light has no finite power, or the user interrupts.
+pub fn reference(baked: &Baked, bvh: &Bvh, light: &Light, rays: u32) -> Result<Shaded> {
+    let _guard = interrupt::Guard::new();
+    let points = &baked.points;
+    let occlusion = match baked.record.kind {
+        TransferKind::Unshadowed => Occlusion::None,
+        TransferKind::Shadowed => Occlusion::By(bvh),
+    };
+    // The bake's samples have seeds of their own; a reference must not share its noise.
+    let settings = Settings { rays, seed: !baked.record.seed, bias: baked.record.bias };
+    let all: Vec<u32> = (0..points.positions.len() as u32).collect();
+    let goes_on = |_done: usize| !interrupt::is_interrupted();
+    let irradiance = irradiance(points, &all, occlusion, light, &settings, &goes_on)?;
+    Ok(Shaded { noise: Some(irradiance.relative_noise()), radiance: reflect(points, &irradiance) })
+}
+
+/// What a diffuse surface makes of irradiance: ρ/π E.
+fn reflect(points: &LightingPoints, irradiance: &Irradiance) -> Vec<Vec3> {
+    let pairs = irradiance.values.iter().zip(&points.albedo);
+    pairs.map(|(&e, &albedo)| e * Vec3::from(albedo) * std::f32::consts::FRAC_1_PI).collect()
+}
+
+impl Shaded {
+    /// How many points have a negative radiance, as a light that rings leaves them.
+    pub fn negative_count(&self) -> usize {
+        self.radiance.iter().filter(|radiance| radiance.min_element() < 0.0).count()
+    }
+
+    /// For `--json`: smallest, largest and mean radiance of each channel, and how many points have a negative one.
+    pub fn statistics(&self) -> Value {
+        let min = self.radiance.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+        let max = self.radiance.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+        let sum: DVec3 = self.radiance.iter().map(|radiance| radiance.as_dvec3()).sum();
+        json!({
+            "min": min.to_array(),
+            "max": max.to_array(),
+            "mean": (sum / self.radiance.len() as f64).to_array(),
+            "negative_points": self.negative_count(),
+        })
+    }
+}

@@ -1,0 +1,86 @@
+//! The models of a bake: read, joined, and fingerprinted.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+use ylm_prt::error::{Error, Result};
+use ylm_prt::image;
+use ylm_prt::scene::{LightingPoints, Mesh, NonFinite, ReadOptions, UpAxis};
+
+use crate::output::Output;
+
+/// Options of every verb that reads models.
+#[derive(clap::Args)]
+pub struct ModelOptions {
+    /// The axis that points up in the models
+    #[arg(long, value_enum, default_value_t = Up::Y)]
+    up: Up,
+    /// Drop vertices that are NaN or infinite, and the triangles that use them, instead of refusing the file
+    #[arg(long)]
+    repair: bool,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Up {
+    Y,
+    Z,
+}
+
+impl ModelOptions {
+    /// For the readers.
+    pub fn read_options(&self) -> ReadOptions {
+        ReadOptions {
+            non_finite: if self.repair { NonFinite::Drop } else { NonFinite::Refuse },
+            up: match self.up {
+                Up::Y => UpAxis::Y,
+                Up::Z => UpAxis::Z,
+            },
+        }
+    }
+
+    /// For probes, where a verb reads either.
+    pub fn probe_options(&self) -> image::ReadOptions {
+        if self.repair { image::ReadOptions::REPAIRED } else { image::ReadOptions::RADIANCE }
+    }
+}
+
+/// Models as one mesh, and where they came from.
+pub struct Source {
+    /// All models together.
+    pub points: LightingPoints,
+    /// File names without folders.
+    pub names: Vec<String>,
+    /// SHA-256 of the files' bytes, one after the other.
+    pub sha256: String,
+}
+
+/// Reads models and joins them.
+///
+/// # Errors
+/// If a file cannot be read, or there is no triangle in all of them.
+pub fn read_models(paths: &[PathBuf], options: &ModelOptions, output: &Output) -> Result<Source> {
+    let mut mesh = Mesh::default();
+    let mut hash = Sha256::new();
+    let mut names = Vec::new();
+    for path in paths {
+        let model = Mesh::open(path, &options.read_options())?;
+        output.step(&format!(
+            "{}: {} vertices, {} triangles",
+            path.display(),
+            model.positions.len(),
+            model.triangles.len()
+        ));
+        mesh.append(&model)?;
+        hash_file(path, &mut hash).map_err(|error| Error::io(path, error))?;
+        names.push(path.file_name().unwrap_or_default().to_string_lossy().into_owned());
+    }
+    let points = LightingPoints::from_mesh(&mesh)?;
+    let sha256 = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    Ok(Source { points, names, sha256 })
+}
+
+fn hash_file(path: &Path, hash: &mut Sha256) -> io::Result<()> {
+    io::copy(&mut File::open(path)?, hash).map(|_| ())
+}

@@ -1,0 +1,230 @@
+//! The command as a script sees it: exit status, one line of error, JSON, files.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use assert_cmd::cargo::cargo_bin;
+use serde_json::Value;
+
+const CUBE: &str = "\
+v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1
+f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 1 5 8 4\nf 2 3 7 6\n";
+
+/// A folder of its own, with a cube in it.
+struct Place(tempfile::TempDir);
+
+impl Place {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("cube.obj"), CUBE).unwrap();
+        Self(folder)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(cargo_bin("ylm"));
+        command.current_dir(self.0.path()).args(arguments.split_whitespace());
+        command
+    }
+
+    fn run(&self, arguments: &str) -> Output {
+        self.command(arguments).output().unwrap()
+    }
+
+    /// Runs what must succeed, and gives its JSON.
+    fn json(&self, arguments: &str) -> Value {
+        let output = self.run(&format!("{arguments} --json"));
+        assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    }
+
+    /// Runs what must fail with this status, and gives what it says.
+    fn failure(&self, arguments: &str, status: i32) -> String {
+        let output = self.run(arguments);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(status), "{arguments}: {message}");
+        assert!(output.stdout.is_empty(), "{arguments} wrote to standard output");
+        message
+    }
+
+    fn files(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.0.path()).unwrap();
+        let mut names: Vec<_> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+fn is_png(path: &Path) -> bool {
+    fs::read(path).unwrap().starts_with(b"\x89PNG\r\n\x1a\n")
+}
+
+#[test]
+fn two_commands_make_a_picture_of_a_mesh() {
+    let place = Place::new();
+    let bake = place.json("bake cube.obj -o cube.safetensors --bands 4 --rays 64");
+    assert_eq!((&bake["points"], &bake["triangles"], &bake["bands"]), (&8.into(), &12.into(), &4.into()));
+    let render = place.json("render cube.safetensors --light sky:overcast -o cube.png --size 64x48");
+    assert_eq!(render["size"], serde_json::json!([64, 48]));
+    assert!(is_png(&place.path("cube.png")));
+    assert_eq!(place.files(), ["cube.obj", "cube.png", "cube.safetensors"]);
+}
+
+#[test]
+fn a_convex_model_under_white_shows_its_albedo() {
+    let place = Place::new();
+    place.json("bake cube.obj -o cube.safetensors --bands 3 --rays 64 --albedo 0.5");
+    let render = place.json("render cube.safetensors --light white -o cube.exr --size 32x32");
+    for end in ["min", "max"] {
+        for channel in 0..3 {
+            let value = render["radiance"][end][channel].as_f64().unwrap();
+            // Closed form: albedo/π · π; a dozen roundings in f32.
+            assert!((value - 0.5).abs() <= 1e-6, "{render}");
+        }
+    }
+}
+
+#[test]
+fn the_same_bake_gives_the_same_bytes_for_any_number_of_threads() {
+    let place = Place::new();
+    let bytes = |threads: usize| {
+        place.json(&format!("bake cube.obj -o {threads}.safetensors --rays 100 --threads {threads}"));
+        fs::read(place.path(&format!("{threads}.safetensors"))).unwrap()
+    };
+    let one = bytes(1);
+    assert!(one == bytes(2) && one == bytes(5));
+}
+
+#[test]
+fn a_failure_is_one_line_that_names_the_file_and_leaves_nothing() {
+    let place = Place::new();
+    fs::write(place.path("bad.obj"), "v 0 0\n").unwrap();
+    fs::write(place.path("old.safetensors"), "precious").unwrap();
+    let before = place.files();
+    let cases = [
+        ("bake absent.ply -o new.safetensors", "absent.ply"),
+        ("bake bad.obj -o old.safetensors", "bad.obj"),
+        ("bake cube.obj bad.obj -o new.safetensors", "bad.obj"),
+        ("bake cube.obj -o absent/new.safetensors --rays 8", "absent/new.safetensors"),
+        ("render cube.obj --light white -o new.png", "cube.obj"),
+        ("render absent.safetensors --light white -o new.png", "absent.safetensors"),
+        ("info bad.obj", "bad.obj"),
+        ("info absent.hdr", "absent.hdr"),
+        ("light absent.hdr", "absent.hdr"),
+        ("light sky:purple", "purple"),
+        ("light cube.obj", "cube.obj"),
+        ("compare cube.obj cube.obj", "cube.obj"),
+    ];
+    for (arguments, named) in cases {
+        let message = place.failure(arguments, 1);
+        assert_eq!(message.lines().count(), 1, "{arguments}: {message}");
+        assert!(message.starts_with("ylm: ") && message.contains(named), "{arguments}: {message}");
+    }
+    assert_eq!(place.files(), before);
+    assert_eq!(fs::read(place.path("old.safetensors")).unwrap(), b"precious");
+}
+
+#[test]
+fn wrong_usage_has_exit_status_2() {
+    let place = Place::new();
+    for arguments in [
+        "",
+        "fry cube.obj",
+        "bake cube.obj",
+        "bake cube.obj -o a.safetensors --bands 0",
+        "bake cube.obj -o a.safetensors --bands 257",
+        "bake cube.obj -o a.safetensors --rays 0",
+        "bake cube.obj -o a.safetensors --bias -1",
+        "bake cube.obj -o a.safetensors --transfer glossy",
+        "render a.safetensors --light white -o a.png --size 0x0",
+        "render a.safetensors --light white -o a.png --camera 1",
+        "render a.safetensors -o a.png",
+        "light white --window hann",
+        "compare one.png",
+        "info",
+    ] {
+        place.failure(arguments, 2);
+    }
+    assert_eq!(place.files(), ["cube.obj"]);
+}
+
+#[test]
+fn a_light_file_is_a_light() {
+    let place = Place::new();
+    place.json("light sky:clear?sun=40,30 --bands 4 -o sky.json");
+    let direct = place.json("light sky:clear?sun=40,30 --bands 4");
+    let through_file = place.json("light sky.json --bands 4");
+    assert_eq!(direct["coefficients"], through_file["coefficients"]);
+    assert_eq!(direct["coefficients"][0].as_array().unwrap().len(), 16);
+}
+
+#[test]
+fn compare_measures_the_distance_of_two_pictures() {
+    let place = Place::new();
+    place.json("bake cube.obj -o cube.safetensors --bands 3 --rays 64");
+    for (light, name) in [("white", "a"), ("white", "b"), ("disc?dir=0,1,1&angle=20", "c")] {
+        place.json(&format!("render cube.safetensors --light {light} -o {name}.png --size 40x30"));
+    }
+    let same = place.json("compare a.png b.png");
+    assert_eq!(same["rmse"], 0.0);
+    assert_eq!(same["psnr"], Value::Null, "identical pictures have no finite PSNR");
+    let other = place.json("compare a.png c.png");
+    assert!(other["rmse"].as_f64().unwrap() > 0.01 && other["psnr"].as_f64().unwrap() < 40.0);
+    place.json("render cube.safetensors --light white -o d.png --size 30x40");
+    assert!(place.failure("compare a.png d.png", 1).contains("40 × 30"));
+}
+
+#[test]
+fn info_tells_what_each_kind_of_file_holds() {
+    let place = Place::new();
+    place.json("bake cube.obj -o cube.safetensors --bands 3 --rays 64");
+    place.json("light white -o white.json");
+    let mesh = place.json("info cube.obj");
+    assert_eq!(
+        (&mesh["kind"], &mesh["vertices"], &mesh["triangles"]),
+        (&"mesh".into(), &8.into(), &12.into())
+    );
+    assert_eq!(mesh["closed"], true);
+    let baked = place.json("info cube.safetensors");
+    assert_eq!((&baked["kind"], &baked["bands"], &baked["points"]), (&"baked".into(), &3.into(), &8.into()));
+    assert_eq!(place.json("info white.json")["kind"], "light");
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_ends_a_bake_and_leaves_nothing() {
+    let place = Place::new();
+    // 200 × 200 quads of a wavy sheet at a million rays a point: hours of work.
+    let mut sheet = String::new();
+    let side = 200;
+    for y in 0..side {
+        for x in 0..side {
+            sheet += &format!("v {x} {} {y}\n", (x * y) % 7);
+        }
+    }
+    for y in 1..side {
+        for x in 1..side {
+            let i = y * side + x + 1;
+            sheet += &format!("f {} {} {} {}\n", i, i - 1, i - 1 - side, i - side);
+        }
+    }
+    fs::write(place.path("sheet.obj"), sheet).unwrap();
+    let before = place.files();
+    let mut child = place
+        .command("bake sheet.obj -o sheet.safetensors --rays 1000000")
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    assert!(child.try_wait().unwrap().is_none(), "the bake ended before it could be interrupted");
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "ylm: interrupted; nothing was written\n");
+    assert_eq!(place.files(), before);
+}
