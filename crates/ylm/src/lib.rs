@@ -2,6 +2,25 @@
 //!
 //! Real orthonormal basis, right-handed axes, z polar, Condon–Shortley phase included, flat index
 //! `i = l(l+1) + m`. Arrays are row-major `[item, coeff]`. No I/O, no threads, builds for wasm32.
+//!
+//! ```
+//! use ylm::product::{Method, product};
+//! use ylm::{Bands, basis::basis, rotate::Rotation};
+//!
+//! # fn main() -> ylm::Result<()> {
+//! let bands = Bands::new(10)?;
+//! // The function that is a peak at +x, and the same turned to +y.
+//! let mut peak = vec![0.0f32; bands.coeff_count()];
+//! basis(&[[1.0, 0.0, 0.0]], bands, &mut peak)?;
+//! let quarter_turn = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+//! let mut turned = peak.clone();
+//! Rotation::from_matrix(quarter_turn, bands)?.apply(&peak, &mut turned)?;
+//! // Their product, exact to ten bands.
+//! let mut both = peak.clone();
+//! product(bands, &[&peak, &turned], Method::Auto, &mut both)?;
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod bands;
 pub mod basis;
