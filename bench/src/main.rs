@@ -5,6 +5,8 @@ use std::process::ExitCode;
 
 mod bake;
 mod basis;
+#[path = "../../testdata/data.rs"]
+mod data;
 mod machine;
 mod plan;
 mod products;
@@ -47,7 +49,7 @@ const BENCHES: &[Bench] = &[
     ("xin-fig5", xin_fig5::run),
 ];
 
-const USAGE: &str = "usage: ylm-bench TABLE [--json FILE] [--quick] [--out DIR] [--data DIR]";
+const USAGE: &str = "usage: ylm-bench TABLE [--json FILE] [--quick] [--out DIR] [--data DIR], or --list";
 
 fn main() -> ExitCode {
     match run() {
@@ -64,7 +66,7 @@ fn run() -> Result<(), String> {
     let mut options = Options {
         quick: false,
         out: PathBuf::from("target/bench"),
-        data: std::env::var_os("YLM_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from),
+        data: data::folder().unwrap_or_default(),
         arguments: Vec::new(),
     };
     let (mut json, mut chosen) = (None, None);
@@ -72,6 +74,10 @@ fn run() -> Result<(), String> {
     while let Some(argument) = arguments.next() {
         let mut value = |flag: &str| arguments.next().ok_or(format!("{flag} needs a value; {USAGE}"));
         match argument.as_str() {
+            "--list" => {
+                names.iter().for_each(|name| println!("{name}"));
+                return Ok(());
+            }
             "--quick" => options.quick = true,
             "--json" => json = Some(PathBuf::from(value("--json")?)),
             "--out" => options.out = PathBuf::from(value("--out")?),

@@ -15,9 +15,6 @@ use crate::Options;
 use crate::products::random;
 use crate::table::Table;
 
-#[path = "../../testdata/data.rs"]
-mod data;
-
 /// Pixels of a sphere's picture.
 const SIZE: usize = 128;
 /// Functions multiplied: k = 4.
@@ -49,7 +46,7 @@ pub fn run(options: &Options) -> Vec<Table> {
             draw(options, &mut table, group, bands, inputs, &factors, &truth);
         }
     }
-    match data::data("meshes/armadillo_50k.ply") {
+    match Some(options.data.join("meshes/armadillo_50k.ply")).filter(|path| path.exists()) {
         Some(path) => {
             if let Err(error) = visibilities(options, &mut table, &path) {
                 eprintln!("{error}");
