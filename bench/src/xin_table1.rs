@@ -32,7 +32,8 @@ pub fn run(options: &Options) -> Vec<Table> {
     );
     let mut curves = Vec::new();
     for (k, published) in PUBLISHED {
-        let errors: Vec<Errors> = bands.iter().map(|&n| measure(n, k - 1, groups)).collect();
+        let errors: Vec<Errors> = bands.iter().map(|&n| measure(n, k - 1, groups, -1.0)).collect();
+        let positive: Vec<Errors> = bands.iter().map(|&n| measure(n, k - 1, groups / 8, 0.0)).collect();
         let mut row = |what: &str, cells: Vec<String>| {
             table.row([k.to_string(), what.to_owned()].into_iter().chain(cells).collect());
         };
@@ -42,6 +43,9 @@ pub fn run(options: &Options) -> Vec<Table> {
         row("chain, ‖error‖ / ‖exact‖ over all groups", of(|e| format!("{:.2}", e.chain)));
         row("chain, mean of the groups' errors", of(|e| format!("{:.2}", e.chain_mean)));
         row("estimated from band energies", of(|e| format!("{:.2}", e.estimate)));
+        row("chain, mean of the groups' squared errors", of(|e| format!("{:.2}", e.chain_squared)));
+        let cells = positive.iter().map(|e| format!("{:.2}", e.chain_mean)).collect();
+        row("chain, mean error for coefficients in [0, 1]", cells);
         row("published", published[..bands.len()].iter().map(|e| format!("{e:.2}")).collect());
         let points = |of: fn(&Errors) -> f64| -> Vec<(f64, f64)> {
             bands.iter().zip(&errors).map(|(&n, e)| (n as f64, of(e))).collect()
@@ -58,23 +62,27 @@ struct Errors {
     exact_worst: f64,
     chain: f64,
     chain_mean: f64,
+    chain_squared: f64,
     estimate: f64,
 }
 
-fn measure(n: usize, factor_count: usize, groups: usize) -> Errors {
+/// Coefficients are uniform from `lowest` to 1.
+fn measure(n: usize, factor_count: usize, groups: usize, lowest: f32) -> Errors {
     let bands = Bands::new(n).expect("in range");
     let (exact_grid, triple) = (Grid::new(bands, factor_count), Grid::new(bands, 2));
     let (exact_grid, triple) = (exact_grid.expect("in range"), triple.expect("in range"));
     let single = Grid::<f32>::new(bands, factor_count).expect("in range");
     let workspace = &mut Workspace::new();
-    let (mut errors, mut norms, mut relative) = (0.0, 0.0, 0.0);
+    let (mut errors, mut norms, mut relative, mut squared) = (0.0, 0.0, 0.0, 0.0);
     let (mut exact_errors, mut exact_worst) = (0.0, 0.0f64);
     // A few hundred at a time stay in the cache.
     let batch = groups.min(250);
     for first in (0..groups).step_by(batch) {
         let count = batch.min(groups - first) * n * n;
         let seed = |i: usize| (first * 64 + i + 1) as u64;
-        let single_factors: Vec<Vec<f32>> = (0..factor_count).map(|i| random(count, seed(i))).collect();
+        let numbers =
+            |i| random(count, seed(i)).iter().map(|c| 1.0 + (c - 1.0) * (1.0 - lowest) / 2.0).collect();
+        let single_factors: Vec<Vec<f32>> = (0..factor_count).map(numbers).collect();
         let factors: Vec<Vec<f64>> =
             single_factors.iter().map(|f| f.iter().map(|&c| f64::from(c)).collect()).collect();
         let rows: Vec<_> = factors.iter().map(|f| Factor::Rows(f)).collect();
@@ -96,6 +104,7 @@ fn measure(n: usize, factor_count: usize, groups: usize) -> Errors {
             errors += error;
             norms += norm;
             relative += (error / norm).sqrt();
+            squared += error / norm;
             exact_errors += (rounding / norm).sqrt();
             exact_worst = exact_worst.max((rounding / norm).sqrt());
         }
@@ -108,6 +117,7 @@ fn measure(n: usize, factor_count: usize, groups: usize) -> Errors {
         exact_worst,
         chain: (errors / norms).sqrt(),
         chain_mean: relative / groups as f64,
+        chain_squared: squared / groups as f64,
         estimate: estimate.relative_estimate(),
     }
 }

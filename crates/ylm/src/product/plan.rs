@@ -60,7 +60,7 @@ pub fn choose<T: Real>(bands: Bands, factor_count: usize, row_count: usize) -> R
 /// g_k = ∫ f₁ f₂ … Y_k dω.
 ///
 /// Shapes: all factors and `out` are rows × n². Rows do not touch each other: a NaN or an overflow stays in its row.
-/// Error: relative L2 ≤ 1e-6 in f32 and ≤ 1e-13 in f64 for n ≤ 32 and ≤ 7 factors, by any method.
+/// Error: relative to the norm of the whole product ≤ 1e-6 in f32 and ≤ 1e-13 in f64 for n ≤ 32 and ≤ 7 factors, by any method.
 /// Cost: `ylm-bench xin-fig3` and `xin-fig4`. Scratch memory is kept for each thread.
 ///
 /// # Errors

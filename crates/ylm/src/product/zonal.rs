@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::cache::shared;
 use super::grid::kernel::{gather, legendre_analysis, legendre_synthesis, scatter};
-use super::grid::table::{Size, TILE, Table};
+use super::grid::table::{RING_TILE, Size, Table};
 use crate::error::{Error, Result, check_length};
 use crate::simd::{Kernel, Lanes};
 use crate::{Bands, Level, Real, Workspace, legendre};
@@ -188,7 +188,7 @@ impl<T: Real> Kernel<T> for ZonalBatch<'_, T> {
         let Size { bands, .. } = table.size;
         let (width, order_count) = (bands * bands, table.size.order_count());
         let (coeffs, rest) =
-            workspace.vectors::<T, V>(2 * width + 2 * TILE * order_count).split_at_mut(width);
+            workspace.vectors::<T, V>(2 * width + 2 * RING_TILE * order_count).split_at_mut(width);
         let (product, orders) = rest.split_at_mut(width);
         // Every order ±m > 0 keeps half of what the mean over a ring counts.
         let half = V::splat(T::from_f64(0.5));
@@ -205,7 +205,7 @@ impl<T: Real> Kernel<T> for ZonalBatch<'_, T> {
                     1 => legendre_synthesis::<T, V, 1>(legendre, bands, coeffs, orders),
                     2 => legendre_synthesis::<T, V, 2>(legendre, bands, coeffs, orders),
                     3 => legendre_synthesis::<T, V, 3>(legendre, bands, coeffs, orders),
-                    _ => legendre_synthesis::<T, V, TILE>(legendre, bands, coeffs, orders),
+                    _ => legendre_synthesis::<T, V, RING_TILE>(legendre, bands, coeffs, orders),
                 }
                 for (ring, orders) in orders.chunks_exact_mut(order_count).take(2 * rings).enumerate() {
                     let value = V::splat(zonal[2 * (first + ring % rings) + ring / rings]);
@@ -218,7 +218,7 @@ impl<T: Real> Kernel<T> for ZonalBatch<'_, T> {
                     1 => legendre_analysis::<T, V, 1>(weighted, bands, orders, product),
                     2 => legendre_analysis::<T, V, 2>(weighted, bands, orders, product),
                     3 => legendre_analysis::<T, V, 3>(weighted, bands, orders, product),
-                    _ => legendre_analysis::<T, V, TILE>(weighted, bands, orders, product),
+                    _ => legendre_analysis::<T, V, RING_TILE>(weighted, bands, orders, product),
                 }
                 first += rings;
             }

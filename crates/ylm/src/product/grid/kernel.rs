@@ -4,7 +4,7 @@
 //! along it (the symmetries φ ↔ −φ ↔ π − φ quarter them) multiplied into the ring's values, then both steps backwards into
 //! the coefficients of the result. Nothing larger than a few rings is ever stored.
 
-use super::table::{TILE, Table, order_slot};
+use super::table::{RING_TILE, Table, WAVE_TILE, order_slot};
 use crate::Real;
 use crate::simd::{Kernel, Lanes, MAX_COUNT};
 use crate::workspace::Workspace;
@@ -71,7 +71,7 @@ impl<T: Real> Kernel<T> for Batch<'_, T> {
         let size = table.size;
         let coeff_count = size.bands * size.bands;
         let transformed = factors.iter().filter(|f| matches!(f, Source::Coeffs { .. })).count();
-        let tile_orders = 2 * TILE * size.order_count();
+        let tile_orders = 2 * RING_TILE * size.order_count();
         let lengths = [
             transformed * coeff_count,
             transformed * tile_orders,
@@ -140,7 +140,7 @@ fn ring_tile<T: Real, V: Lanes<T>>(
     let rows = size.bands * (size.bands + 1) / 2;
     let legendre = &table.legendre[first * rows..][..rings * rows];
 
-    let tile_orders = 2 * TILE * order_count;
+    let tile_orders = 2 * RING_TILE * order_count;
     for (coeffs, orders) in
         scratch.coeffs.chunks_exact(coeff_count).zip(scratch.orders.chunks_exact_mut(tile_orders))
     {
@@ -148,7 +148,7 @@ fn ring_tile<T: Real, V: Lanes<T>>(
             1 => legendre_synthesis::<T, V, 1>(legendre, size.bands, coeffs, orders),
             2 => legendre_synthesis::<T, V, 2>(legendre, size.bands, coeffs, orders),
             3 => legendre_synthesis::<T, V, 3>(legendre, size.bands, coeffs, orders),
-            _ => legendre_synthesis::<T, V, TILE>(legendre, size.bands, coeffs, orders),
+            _ => legendre_synthesis::<T, V, RING_TILE>(legendre, size.bands, coeffs, orders),
         }
     }
     for ring in 0..2 * rings {
@@ -211,7 +211,7 @@ fn ring_tile<T: Real, V: Lanes<T>>(
             1 => legendre_analysis::<T, V, 1>(weighted, size.bands, orders, coeffs),
             2 => legendre_analysis::<T, V, 2>(weighted, size.bands, orders, coeffs),
             3 => legendre_analysis::<T, V, 3>(weighted, size.bands, orders, coeffs),
-            _ => legendre_analysis::<T, V, TILE>(weighted, size.bands, orders, coeffs),
+            _ => legendre_analysis::<T, V, RING_TILE>(weighted, size.bands, orders, coeffs),
         }
     }
 }
@@ -297,7 +297,9 @@ fn ring_synthesis<T: Real, V: Lanes<T>, const SET: bool>(table: &Table<T>, order
             1 => point_tile::<T, V, SET, 1>(table, constants, orders, points),
             2 => point_tile::<T, V, SET, 2>(table, constants, orders, points),
             3 => point_tile::<T, V, SET, 3>(table, constants, orders, points),
-            _ => point_tile::<T, V, SET, TILE>(table, constants, orders, points),
+            4 => point_tile::<T, V, SET, 4>(table, constants, orders, points),
+            5 => point_tile::<T, V, SET, 5>(table, constants, orders, points),
+            _ => point_tile::<T, V, SET, WAVE_TILE>(table, constants, orders, points),
         }
     }
 }
@@ -359,7 +361,9 @@ fn ring_analysis<T: Real, V: Lanes<T>>(table: &Table<T>, values: &[V], folded: &
                 1 => order_tile::<T, V, 1>(rows, pairs, out),
                 2 => order_tile::<T, V, 2>(rows, pairs, out),
                 3 => order_tile::<T, V, 3>(rows, pairs, out),
-                _ => order_tile::<T, V, TILE>(rows, pairs, out),
+                4 => order_tile::<T, V, 4>(rows, pairs, out),
+                5 => order_tile::<T, V, 5>(rows, pairs, out),
+                _ => order_tile::<T, V, WAVE_TILE>(rows, pairs, out),
             }
         }
     }

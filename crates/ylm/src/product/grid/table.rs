@@ -7,12 +7,16 @@ use crate::Real;
 use crate::legendre;
 use crate::quadrature::gauss_legendre;
 
-/// The widest tile: 4 pairs of sums are 8 independent chains of multiply-adds, enough to hide the latency of one.
-pub const TILE: usize = 4;
+/// The most rings of a hemisphere side by side: 4 pairs of sums are 8 independent chains of multiply-adds, enough to hide the
+/// latency of one, and the orders of 8 rings stay in the first cache.
+pub const RING_TILE: usize = 4;
 
-/// Cuts `total` into runs of at most [`TILE`], as equal as can be.
-fn tiles(total: usize) -> impl Iterator<Item = Range<usize>> {
-    let count = total.div_ceil(TILE).max(1);
+/// The most points or orders side by side: 6 pairs of sums and what they are made of just fit 16 registers.
+pub const WAVE_TILE: usize = 6;
+
+/// Cuts `total` into runs of at most `most`, as equal as can be.
+fn tiles(total: usize, most: usize) -> impl Iterator<Item = Range<usize>> {
+    let count = total.div_ceil(most).max(1);
     (0..count).map(move |i| i * total / count..(i + 1) * total / count).filter(|tile| !tile.is_empty())
 }
 
@@ -103,7 +107,7 @@ impl<T: Real> Table<T> {
             })
             .collect();
         let by_tiles = |value: &dyn Fn(usize, usize) -> f64| -> Vec<T> {
-            tiles(size.half_rings)
+            tiles(size.half_rings, RING_TILE)
                 .flat_map(|tile| {
                     let count = n * (n + 1) / 2;
                     (0..count).flat_map(move |j| tile.clone().map(move |ring| (ring, j)))
@@ -114,7 +118,7 @@ impl<T: Real> Table<T> {
         let angle = |point: usize| (point as f64 + 0.5) * PI / (2 * size.quarter) as f64;
         let (even, odd): (Vec<_>, Vec<_>) = ((2..n).step_by(2).collect(), (1..n).step_by(2).collect());
         let mut synthesis = Vec::new();
-        for tile in tiles(size.quarter) {
+        for tile in tiles(size.quarter, WAVE_TILE) {
             for &m in even.iter().chain(&odd) {
                 synthesis.extend(tile.clone().map(|p| T::from_f64((m as f64 * angle(p)).cos())));
                 synthesis.extend(tile.clone().map(|p| T::from_f64((m as f64 * angle(p)).sin())));
@@ -122,7 +126,7 @@ impl<T: Real> Table<T> {
         }
         let mut analysis = Vec::new();
         for orders in [&even, &odd] {
-            for tile in tiles(orders.len()) {
+            for tile in tiles(orders.len(), WAVE_TILE) {
                 for p in 0..size.quarter {
                     analysis.extend(tile.clone().map(|i| T::from_f64((orders[i] as f64 * angle(p)).cos())));
                     analysis.extend(tile.clone().map(|i| T::from_f64((orders[i] as f64 * angle(p)).sin())));
@@ -136,10 +140,10 @@ impl<T: Real> Table<T> {
             synthesis,
             analysis,
             ring_weights: (0..size.half_rings).map(|ring| T::from_f64(point_weight(ring))).collect(),
-            ring_tiles: tiles(size.half_rings).map(|tile| tile.len()).collect(),
-            point_tiles: tiles(size.quarter).map(|tile| tile.len()).collect(),
-            even_tiles: tiles(even.len()).map(|tile| tile.len()).collect(),
-            odd_tiles: tiles(odd.len()).map(|tile| tile.len()).collect(),
+            ring_tiles: tiles(size.half_rings, RING_TILE).map(|tile| tile.len()).collect(),
+            point_tiles: tiles(size.quarter, WAVE_TILE).map(|tile| tile.len()).collect(),
+            even_tiles: tiles(even.len(), WAVE_TILE).map(|tile| tile.len()).collect(),
+            odd_tiles: tiles(odd.len(), WAVE_TILE).map(|tile| tile.len()).collect(),
             coeff_slots: coeff_slots(n),
         }
     }
@@ -173,9 +177,12 @@ mod tests {
     #[test]
     fn tiles_cover_everything_once_and_are_even() {
         for total in 0..70 {
-            let lengths: Vec<usize> = tiles(total).map(|tile| tile.len()).collect();
-            assert_eq!(lengths.iter().sum::<usize>(), total);
-            assert!(lengths.iter().all(|&length| length <= TILE && length + 1 >= lengths[0]), "{lengths:?}");
+            for most in [RING_TILE, WAVE_TILE] {
+                let lengths: Vec<usize> = tiles(total, most).map(|tile| tile.len()).collect();
+                assert_eq!(lengths.iter().sum::<usize>(), total);
+                let least = lengths.iter().min().copied().unwrap_or(0);
+                assert!(lengths.iter().all(|&length| length <= most && length <= least + 1), "{lengths:?}");
+            }
         }
     }
 
