@@ -29,9 +29,8 @@ pub const MAX_BANDS: usize = 64;
 
 /// For n = 2 … 6: up to how many rows straight-line code is the fastest for two factors; beyond, the grid is.
 ///
-/// Measured on an AMD EPYC (Zen 4, AVX-512), Rust 1.95, one thread, by `ylm-bench plan`, which prints this table again. Neither Fourier
-/// space nor the sparse tensor is the fastest at any size from 2 bands on, for any batch: the grid needs 3 µs for a single product of
-/// 8 bands, in one lane of sixteen.
+/// Measured on an AMD EPYC (Zen 4, AVX-512), Rust 1.95, one thread, by `ylm-bench plan`, which prints this table again. The sparse tensor
+/// is the fastest nowhere; Fourier space only for one row of 24 bands or more, by up to 18 % (`ylm-bench xin-fig3`), and is not chosen.
 const UNROLLED_ROWS: [[usize; 5]; 2] = [
     // f32
     [usize::MAX, usize::MAX, usize::MAX, usize::MAX, usize::MAX],
