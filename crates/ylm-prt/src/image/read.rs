@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{Image, dds, exr, float_raw, hdr, pfm};
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// What to do with texels that are NaN or infinite.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

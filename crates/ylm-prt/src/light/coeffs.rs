@@ -9,7 +9,7 @@ use ylm::eval::eval;
 use ylm::rotate::Rotation;
 use ylm::window::Window;
 
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// The convention of every coefficient, as files state it: docs/conventions.md.
 pub const CONVENTION: &str = "real orthonormal, Condon-Shortley, z polar, index l(l+1)+m";

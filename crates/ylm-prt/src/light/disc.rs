@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use ylm::Bands;
 use ylm::zonal::Zonal;
 
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// Radiance 1 within an angle of a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]

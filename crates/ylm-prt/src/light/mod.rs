@@ -20,7 +20,7 @@ pub use probe::{Probe, ProbeStatistics};
 pub use sampler::LightSampler;
 pub use sky::Sky;
 
-use crate::Result;
+use crate::error::Result;
 use crate::image::ReadOptions;
 
 /// Where light comes from.

@@ -8,8 +8,8 @@ use ylm::Bands;
 use ylm::layout::{Grid, Layout, accumulate};
 
 use super::luminance;
+use crate::error::{Error, Result};
 use crate::image::{Decoded, Image, Projection, ReadOptions};
-use crate::{Error, Result};
 
 /// A picture of the whole sphere; its radiance is constant over each texel.
 ///

@@ -6,7 +6,7 @@ use glam::{DVec3, Quat, Vec3};
 use ylm::layout::{Grid, Layout};
 
 use super::{Light, Source, luminance};
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// Draws directions towards a light.
 ///

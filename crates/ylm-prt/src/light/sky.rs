@@ -13,7 +13,7 @@ use ylm::basis::basis;
 use ylm::quadrature::gauss_legendre;
 
 use super::Disc;
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// a, b, c, d, e of the CIE standard general skies 1 … 15.
 const STANDARD: [[f64; 5]; 15] = [

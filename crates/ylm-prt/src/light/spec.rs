@@ -7,8 +7,8 @@ use glam::{Quat, Vec3};
 
 use super::probe::LayoutWord;
 use super::{Disc, LightCoeffs, Part, Probe, Sky, Source};
+use crate::error::{Error, Result};
 use crate::image::ReadOptions;
-use crate::{Error, Result};
 
 const DEFAULT_GROUND: f64 = 0.2;
 
