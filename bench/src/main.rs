@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 mod bake;
+mod bake_error;
 mod basis;
 #[path = "../../testdata/data.rs"]
 mod data;
@@ -40,6 +41,7 @@ type Bench = (&'static str, fn(&Options) -> Vec<Table>);
 const BENCHES: &[Bench] = &[
     ("bake", bake::run),
     ("bake-memory", bake::run_memory),
+    ("bake-error", bake_error::run),
     ("basis", basis::run),
     ("rotate", rotate::run),
     ("plan", plan::run),
