@@ -1,9 +1,34 @@
 //! Whole files or none.
 
+use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use crate::error::{Error, Result};
+
+/// Checks what would keep a file from being written, so that long work does not fail at its end.
+///
+/// # Errors
+/// If `path` is a folder, its folder is not there, or it is one of the `inputs`, which it would replace.
+pub fn check_destination(path: &Path, inputs: &[&Path]) -> Result<()> {
+    let refuse = |what: String| Err(Error::io(path, io::Error::other(what)));
+    let folder = folder_of(path);
+    if path.is_dir() {
+        refuse("is a folder; give the name of a file".to_owned())
+    } else if !folder.is_dir() {
+        refuse(format!("there is no folder {}; make it first", folder.display()))
+    } else if fs::canonicalize(path)
+        .is_ok_and(|path| inputs.iter().any(|input| fs::canonicalize(input).is_ok_and(|input| input == path)))
+    {
+        refuse("is an input, which the result would replace; give another name".to_owned())
+    } else {
+        Ok(())
+    }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
 
 /// Writes a file so that a reader sees the old one or the whole new one, and a failure leaves the old one.
 ///
@@ -12,19 +37,13 @@ use crate::error::{Error, Result};
 /// # Errors
 /// If the operating system refuses, or `content` fails; the error names `path`.
 pub fn write_atomically(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
+    check_destination(path, &[])?;
     let write = || -> io::Result<()> {
-        if path.is_dir() {
-            return Err(io::Error::other("is a folder; give the name of a file"));
-        }
         let mut builder = tempfile::Builder::new();
         // The library's own default hides the file from everyone else; this leaves the choice to the umask.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let temporary = builder.prefix(".ylm-").suffix(".partial").tempfile_in(folder)?;
+        let temporary = builder.prefix(".ylm-").suffix(".partial").tempfile_in(folder_of(path))?;
         let mut writer = BufWriter::with_capacity(1 << 20, &temporary);
         content(&mut writer)?;
         writer.flush()?;
@@ -32,12 +51,32 @@ pub fn write_atomically(path: &Path, content: impl FnOnce(&mut dyn Write) -> io:
         temporary.persist(path).map_err(|failure| failure.error)?;
         Ok(())
     };
-    write().map_err(|source| Error::io(path, source))
+    // The system's reason alone: the library adds the temporary name, which tells the user nothing.
+    let reason = |error: io::Error| match error.kind() {
+        io::ErrorKind::Other => error,
+        kind => kind.into(),
+    };
+    write().map_err(|error| Error::io(path, reason(error)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_destination_without_folder_or_among_the_inputs_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let input = folder.path().join("mesh.obj");
+        std::fs::write(&input, "v 0 0 0").unwrap();
+        let refusal = |name: &str| {
+            let refused = check_destination(&folder.path().join(name), &[&input]);
+            refused.map_err(|error| error.to_string())
+        };
+        assert_eq!(refusal("new.obj"), Ok(()));
+        assert!(refusal("./mesh.obj").unwrap_err().ends_with("give another name"));
+        assert!(refusal("absent/new.obj").unwrap_err().contains("there is no folder"));
+        assert!(refusal(".").unwrap_err().contains("is a folder"));
+    }
 
     #[test]
     fn a_failed_write_leaves_the_old_file_and_nothing_else() {

@@ -5,6 +5,7 @@ compile_error!("safetensors is little-endian; reading and writing here are casts
 
 use std::collections::HashMap;
 use std::fs::File;
+use std::io;
 use std::path::Path;
 
 use glam::Vec3;
@@ -77,6 +78,9 @@ pub fn write_baked(path: &Path, baked: &Baked) -> Result<()> {
 /// names the file and the first thing that is wrong.
 pub fn read_baked(path: &Path) -> Result<Baked> {
     let file = File::open(path).map_err(|e| Error::io(path, e))?;
+    if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
+        return Err(Error::io(path, io::Error::other("is no file; give one that `ylm bake` wrote")));
+    }
     // SAFETY: the map lives for this call only; somebody who truncates the file meanwhile ends the process, as with
     // every reader of mapped files, and cannot do worse, since all that is read is copied and then checked.
     let bytes = unsafe { memmap2::Mmap::map(&file) }.map_err(|e| Error::io(path, e))?;

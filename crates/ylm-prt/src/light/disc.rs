@@ -25,7 +25,7 @@ impl Disc {
         let direction = direction
             .ok_or_else(|| Error::Request("a disc needs a direction other than 0,0,0".to_owned()))?;
         if !(half_angle > 0.0 && half_angle <= PI) {
-            let degrees = half_angle.to_degrees();
+            let degrees = half_angle.to_degrees() as f32;
             return Err(Error::Request(format!(
                 "a disc of half-angle {degrees}° is none; it must be in (0°, 180°]"
             )));

@@ -36,6 +36,24 @@ impl Transfer {
     }
 }
 
+/// Zeros for rows of `width`.
+///
+/// # Errors
+/// If the system does not have the memory: a request that is too large must not abort the process.
+fn zeros(row_count: usize, width: usize) -> Result<Vec<f32>> {
+    let mut vectors = Vec::new();
+    let reserved = row_count.checked_mul(width).map(|count| vectors.try_reserve_exact(count));
+    let Some(Ok(())) = reserved else {
+        return Err(Error::Request(format!(
+            "{row_count} points with {width} coefficients each take {:.1} GB of memory, more than there is; take fewer \
+             bands or a smaller mesh",
+            row_count as f64 * width as f64 * size_of::<f32>() as f64 / 1e9
+        )));
+    };
+    vectors.resize(row_count * width, 0.0);
+    Ok(vectors)
+}
+
 /// Is told how a bake gets on; called from any thread.
 pub trait Progress: Sync {
     /// `points` more are done, with `rays` rays. Called every few milliseconds.
@@ -66,7 +84,7 @@ impl Progress for () {
 /// sample sets of at most 1/8 of it or 64 KiB, whichever is more, or one set.
 ///
 /// # Errors
-/// If shadowed transfer is asked for with no rays or a bias that is no length, or `progress` cancels.
+/// If memory does not suffice for the result, shadowed transfer is asked for with no rays or a bias that is no length, or `progress` cancels.
 pub fn bake(
     points: &LightingPoints,
     bvh: &Bvh,
@@ -83,5 +101,19 @@ pub fn bake(
     match settings.kind {
         TransferKind::Unshadowed => unshadowed::bake(points, settings, progress),
         TransferKind::Shadowed => shadowed::bake(points, bvh, settings, progress),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_than_memory_can_hold_is_refused() {
+        for (rows, width) in [(usize::MAX, 2), (1 << 45, 1 << 16)] {
+            let message = zeros(rows, width).unwrap_err().to_string();
+            assert!(message.contains("GB of memory"), "{message}");
+        }
+        assert_eq!(zeros(2, 3).unwrap(), [0.0; 6]);
     }
 }

@@ -33,7 +33,7 @@ pub fn bake(
 ) -> Result<Transfer> {
     let baker = Baker::new(points, bvh, settings, progress)?;
     let width = settings.bands.coeff_count();
-    let mut vectors = vec![0.0f32; points.positions.len() * width];
+    let mut vectors = super::zeros(points.positions.len(), width)?;
     baker.each_batch(&mut vectors, width, |batch, scratch| baker.project_batch(batch, scratch))?;
     Ok(Transfer { bands: settings.bands, vectors })
 }

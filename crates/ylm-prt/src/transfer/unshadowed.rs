@@ -14,7 +14,7 @@ const CHUNK: usize = 1024;
 pub fn bake(points: &LightingPoints, settings: &BakeSettings, progress: &dyn Progress) -> Result<Transfer> {
     let width = settings.bands.coeff_count();
     let cosine = Zonal::<f32>::clamped_cosine(settings.bands);
-    let mut vectors = vec![0.0; points.normals.len() * width];
+    let mut vectors = super::zeros(points.normals.len(), width)?;
     vectors.par_chunks_mut(CHUNK * width).zip(points.normals.par_chunks(CHUNK)).try_for_each(
         |(vectors, normals)| {
             if progress.is_cancelled() {
