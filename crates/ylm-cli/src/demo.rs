@@ -23,7 +23,7 @@ use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, TransferKind, bake};
 use self::report::{Figure, Report, Section};
 use crate::interrupt;
 use crate::options::{self, CameraPlace};
-use crate::output::Output;
+use crate::output::{Output, path_value};
 use crate::progress::BakeProgress;
 use crate::shading::{self, Shaded};
 
@@ -62,27 +62,28 @@ const SHOWCASES: [Showcase; 4] = [
         name: "overcast",
         light: "sky:overcast",
         text: "Light from everywhere above: shadows are soft, and what a point does not see is all that there is to see.",
-        exposure: 0.0,
+        exposure: 0.5,
     },
     Showcase {
         title: "Clear sky, low sun",
         name: "clear",
-        light: "sky:clear?sun=28,-55&intensity=0.8+disc?dir=-0.723,0.469,0.507&angle=6&intensity=40&color=1,0.82,0.55",
-        text: "A clear sky, and a sun widened to six degrees: warm light, blue shadow.",
-        exposure: 0.0,
+        light: "sky:clear?sun=32,-62&intensity=0.5&color=0.62,0.8,1.15&ground=0.1\
+                +disc?dir=-0.749,0.530,0.398&angle=5&intensity=190&color=1,0.76,0.48",
+        text: "A clear sky, and a sun widened to ten degrees across: warm light, blue shadow.",
+        exposure: 0.2,
     },
     Showcase {
         title: "Two coloured discs",
         name: "discs",
-        light: "disc?dir=1,0.6,0.3&angle=25&intensity=5&color=1,0.55,0.25\
-                +disc?dir=-1,0.5,0.4&angle=30&intensity=4&color=0.25,0.5,1+white?intensity=0.08",
-        text: "Area lights that few bands hold well.",
-        exposure: 0.0,
+        light: "disc?dir=1,0.7,0.35&angle=20&intensity=13&color=1,0.4,0.12\
+                +disc?dir=-1,0.5,0.55&angle=24&intensity=8&color=0.12,0.36,1+white?intensity=0.06",
+        text: "Area lights of forty degrees and more across: few bands hold them well.",
+        exposure: 0.1,
     },
     Showcase {
         title: "A small bright light",
         name: "small",
-        light: "disc?dir=0.35,0.75,0.55&angle=4&intensity=190+white?intensity=0.12",
+        light: "disc?dir=0.55,0.7,0.45&angle=3&intensity=520&color=1,0.95,0.86+white?intensity=0.14",
         text: "What spherical harmonics cannot hold: a hard shadow comes out soft, and the error says where.",
         exposure: 0.0,
     },
@@ -92,7 +93,7 @@ const SHOWCASES: [Showcase; 4] = [
 const FULL_ERROR: f32 = 0.5;
 
 /// How bright the wall behind the scene is.
-const BACKDROP: f32 = 0.35;
+const BACKDROP: f32 = 0.12;
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
@@ -122,7 +123,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
 
     let seconds = start.elapsed().as_secs_f64();
     let value = json!({
-        "report": path, "points": demo.point_count(), "triangles": demo.shadowed.points.triangles.len(),
+        "report": path_value(&path), "points": demo.point_count(), "triangles": demo.shadowed.points.triangles.len(),
         "bands": arguments.bands.count(), "rays_a_point": arguments.rays, "bake_seconds": demo.bake_seconds,
         "rays_a_second": demo.ray_count as f64 / demo.bake_seconds, "lights": numbers, "seconds": seconds,
     });
@@ -188,7 +189,7 @@ impl Demo {
         let images = [&unshadowed, &shadowed, &reference].map(|shaded| self.draw(shaded, arguments));
         let [unshadowed_image, shadowed_image, reference_image] = images;
         let (shadowed_image, reference_image) = (shadowed_image?, reference_image?);
-        let look = |image: &Image| develop(image, showcase.exposure, ToneMap::Agx);
+        let look = |image: &Image| develop(image, showcase.exposure, ToneMap::Aces);
         let difference =
             error_picture(&shadowed_image, &reference_image, ErrorScale::Relative { full: FULL_ERROR })?;
         let bands = arguments.bands.count();
