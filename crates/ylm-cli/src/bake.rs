@@ -1,18 +1,19 @@
 //! `ylm bake`: models in, transfer out.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde_json::json;
 use ylm::Bands;
 use ylm_prt::error::{Error, Result};
+use ylm_prt::file::check_destination;
 use ylm_prt::format::write_baked;
 use ylm_prt::scene::Bvh;
 use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, TransferKind, bake};
 
 use crate::interrupt;
 use crate::options;
-use crate::output::Output;
+use crate::output::{Output, path_value};
 use crate::progress::BakeProgress;
 use crate::source::{ModelOptions, read_models};
 
@@ -89,6 +90,8 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
         pool.map_err(|error| Error::Request(format!("{threads} threads: {error}")))?;
     }
+    let models: Vec<&Path> = arguments.models.iter().map(PathBuf::as_path).collect();
+    check_destination(&arguments.output, &models)?;
     let start = Instant::now();
     let mut source = read_models(&arguments.models, &arguments.model, output)?;
     if let Some(albedo) = arguments.albedo {
@@ -132,9 +135,9 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
         kind.name(),
     );
     let value = json!({
-        "output": arguments.output, "points": point_count, "triangles": triangle_count, "bands": bands,
+        "output": path_value(&arguments.output), "points": point_count, "triangles": triangle_count, "bands": bands,
         "transfer": kind.name(), "rays_a_point": baked.record.rays, "rays": ray_count, "seconds": seconds,
-        "bake_seconds": bake_seconds, "rays_a_second": ray_count as f64 / bake_seconds,
+        "bake_seconds": bake_seconds, "rays_a_second": ray_count as f64 / bake_seconds, "left_out": source.changes.value(),
     });
     output.result(&text, &value);
     Ok(())

@@ -13,7 +13,7 @@ use ylm_prt::light::{LightCoeffs, Probe};
 use ylm_prt::scene::{LightingPoints, Mesh, Topology};
 
 use crate::output::Output;
-use crate::source::ModelOptions;
+use crate::source::{ModelOptions, warn_of_repairs};
 
 /// Tell what a mesh, probe, baked scene, light or picture holds, and validate it
 #[derive(clap::Args)]
@@ -32,7 +32,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
         Kind::Light => light(path)?,
         Kind::Probe => probe(path, &arguments.model.probe_options())?,
         Kind::Picture => picture(path)?,
-        Kind::Mesh => mesh(path, &arguments.model)?,
+        Kind::Mesh => mesh(path, &arguments.model, output)?,
     };
     output.result(&text(path, &facts), &Value::Object(facts));
     Ok(())
@@ -71,8 +71,9 @@ fn object(value: Value) -> Map<String, Value> {
     }
 }
 
-fn mesh(path: &Path, options: &ModelOptions) -> Result<Map<String, Value>> {
-    let mesh = Mesh::open(path, &options.read_options())?;
+fn mesh(path: &Path, options: &ModelOptions, output: &Output) -> Result<Map<String, Value>> {
+    let (mesh, repairs) = Mesh::open_and_count(path, &options.read_options())?;
+    warn_of_repairs(path, &repairs, output);
     // Formats with a vertex for each normal cut the surface along its creases; what matters is where it is open.
     let topology = Topology::of(&mesh);
     let welded = Topology::of(&mesh.welded());
@@ -92,6 +93,9 @@ fn mesh(path: &Path, options: &ModelOptions) -> Result<Map<String, Value>> {
         "duplicate_triangles": topology.duplicate_triangle_count,
         "degenerate_triangles": topology.degenerate_triangle_count,
         "unused_vertices": topology.unused_vertex_count,
+        "dropped_vertices": repairs.dropped_vertex_count,
+        "dropped_faces": repairs.dropped_face_count,
+        "whitened_vertices": repairs.whitened_vertex_count,
         "bounds": mesh.bounds().map(|bounds| bounds.map(|corner| corner.to_array())),
         "surface_area": mesh.surface_area(),
         "signed_volume": welded.is_closed().then(|| mesh.signed_volume()),

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::Vec3;
 use serde_json::{Value, json};
 use ylm::{Bands, bands};
@@ -11,7 +12,7 @@ use ylm_prt::format::write_light;
 use ylm_prt::light::LightCoeffs;
 
 use crate::options::{self, LightOptions};
-use crate::output::Output;
+use crate::output::{Output, path_value};
 
 /// Project a light onto spherical harmonics: print its coefficients, or write them to a file
 #[derive(clap::Args)]
@@ -25,18 +26,23 @@ pub struct Arguments {
     #[command(flatten)]
     options: LightOptions,
     /// The file to write, a LIGHT itself
-    #[arg(short, long, value_name = "FILE.json")]
+    #[arg(short, long, value_name = "FILE.json", value_parser = PathBufValueParser::new().try_map(options::light_file))]
     output: Option<PathBuf>,
 }
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
-    let light = arguments.options.read(&arguments.light)?;
+    if let Some(path) = &arguments.output {
+        options::check_destination(path, &[], &arguments.light)?;
+    }
+    let light = arguments.options.read(&arguments.light, output)?;
     let coeffs = arguments.options.project(&light, arguments.bands)?;
     if let Some(path) = &arguments.output {
         write_light(path, &coeffs, &arguments.light)?;
     }
-    output.result(&text(arguments, &coeffs), &value(arguments, &coeffs));
+    let mut value = value(arguments, &coeffs);
+    value["repaired"] = options::repaired_count(&light).into();
+    output.result(&text(arguments, &coeffs), &value);
     Ok(())
 }
 
@@ -59,7 +65,7 @@ fn value(arguments: &Arguments, coeffs: &LightCoeffs) -> Value {
         "light": arguments.light,
         "bands": arguments.bands.count(),
         "mean_radiance": mean.to_array(),
-        "output": arguments.output,
+        "output": arguments.output.as_deref().map(path_value),
         "coefficients": coeffs.channels,
     })
 }

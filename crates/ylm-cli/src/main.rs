@@ -15,7 +15,8 @@ mod source;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser, Subcommand};
 
 use output::{Output, OutputOptions};
 
@@ -47,6 +48,11 @@ Start here:
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    if let Verb::Render(render) = &arguments.verb
+        && let Err(message) = render.check()
+    {
+        Arguments::command().error(ErrorKind::ArgumentConflict, message).exit();
+    }
     let output = Output::new(&arguments.output);
     interrupt::install();
     let result = match &arguments.verb {

@@ -1,15 +1,18 @@
 //! Parsers of option values; what they refuse is wrong usage, exit status 2.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use glam::{EulerRot, Quat, Vec3};
 use ylm::Bands;
 use ylm::window::Window;
 use ylm_prt::error::Result as PrtResult;
+use ylm_prt::file;
 use ylm_prt::image::ReadOptions;
-use ylm_prt::light::{Light, LightCoeffs};
+use ylm_prt::light::{Light, LightCoeffs, Source};
 use ylm_prt::scene::{Camera, View};
+
+use crate::output::Output;
 
 /// What `--light` understands, for the help of the verbs that take one.
 pub const LIGHT_HELP: &str = "\
@@ -50,8 +53,13 @@ pub fn albedo(text: &str) -> Result<[f32; 3], String> {
 
 /// `AZ,EL` in degrees.
 pub fn azimuth_elevation(text: &str) -> Result<[f32; 2], String> {
-    let wrong = || "must be AZIMUTH,ELEVATION in degrees, as in 30,15".to_owned();
-    numbers(text).and_then(|values| values.try_into().ok()).ok_or_else(wrong)
+    let wrong = || "must be AZIMUTH,ELEVATION in degrees, elevation from −90 to 90, as in 30,15".to_owned();
+    let angles: Option<[f32; 2]> = numbers(text).and_then(|values| values.try_into().ok());
+    angles.filter(|angles| is_elevation(angles[1])).ok_or_else(wrong)
+}
+
+fn is_elevation(degrees: f32) -> bool {
+    (-90.0..=90.0).contains(&degrees)
 }
 
 /// Where the camera stands: `AZ,EL` or `AZ,EL,DIST`.
@@ -79,12 +87,16 @@ impl FromStr for CameraPlace {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let wrong =
-            || "must be AZIMUTH,ELEVATION in degrees, with ,DISTANCE in radii of the model, as in 30,15,3";
+        let wrong = || {
+            "must be AZIMUTH,ELEVATION in degrees, elevation from −90 to 90, with ,DISTANCE in radii of the model, \
+                as in 30,15,3"
+        };
         let values = numbers(text).ok_or_else(wrong)?;
         let (azimuth, elevation, distance) = match values[..] {
-            [azimuth, elevation] => (azimuth, elevation, None),
-            [azimuth, elevation, distance] if distance > 0.0 => (azimuth, elevation, Some(distance)),
+            [azimuth, elevation] if is_elevation(elevation) => (azimuth, elevation, None),
+            [azimuth, elevation, distance] if is_elevation(elevation) && distance > 0.0 => {
+                (azimuth, elevation, Some(distance))
+            }
             _ => return Err(wrong().to_owned()),
         };
         let view =
@@ -134,12 +146,28 @@ impl FromStr for Exposure {
 }
 
 /// A picture's name; the ending says what is written.
-pub fn picture(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    match path.extension().and_then(|extension| extension.to_str()) {
-        Some("png" | "exr") => Ok(path),
-        _ => Err("must end in .png or .exr".to_owned()),
-    }
+pub fn picture(path: PathBuf) -> Result<PathBuf, String> {
+    let known = ["png", "exr"].iter().any(|extension| has_extension(&path, extension));
+    if known { Ok(path) } else { Err("must end in .png or .exr".to_owned()) }
+}
+
+/// A light file's name; without its ending it would not be read as a light.
+pub fn light_file(path: PathBuf) -> Result<PathBuf, String> {
+    if has_extension(&path, "json") { Ok(path) } else { Err("must end in .json".to_owned()) }
+}
+
+/// Whether a file's name ends so, in small letters or capitals.
+pub fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
+}
+
+/// Checks that a result can be written, and replaces neither an input nor a file of the light.
+///
+/// # Errors
+/// The line that says why not.
+pub fn check_destination(path: &Path, inputs: &[&Path], light: &str) -> PrtResult<()> {
+    let words = light.split(['+', '?']).map(Path::new).filter(|word| word.is_file());
+    file::check_destination(path, &inputs.iter().copied().chain(words).collect::<Vec<_>>())
 }
 
 /// `--window`.
@@ -186,13 +214,24 @@ impl LightOptions {
     ///
     /// # Errors
     /// If the description is wrong or a file cannot be read.
-    pub fn read(&self, spec: &str) -> PrtResult<Light> {
+    pub fn read(&self, spec: &str, output: &Output) -> PrtResult<Light> {
         let options = if self.repair { ReadOptions::REPAIRED } else { ReadOptions::RADIANCE };
         let light = Light::parse_with(spec, &options)?;
+        let repaired = repaired_count(&light);
+        if repaired > 0 {
+            output.warn(&format!(
+                "{spec}: set {repaired} channels of texels to 0 that are NaN, infinite or negative"
+            ));
+        }
         Ok(match self.light_rotation {
             Some(to) => light.rotated(rotation(to)),
             None => light,
         })
+    }
+
+    /// Whether bands are to be damped.
+    pub fn has_window(&self) -> bool {
+        self.window.0.is_some()
     }
 
     /// The light's coefficients, damped as asked for.
@@ -206,6 +245,15 @@ impl LightOptions {
             None => Ok(coeffs),
         }
     }
+}
+
+/// How many channels of a light's texels were set to 0.
+pub fn repaired_count(light: &Light) -> usize {
+    let of = |source: &Source| match source {
+        Source::Probe(probe) => probe.repaired,
+        _ => 0,
+    };
+    light.parts().iter().map(|part| of(&part.source)).sum()
 }
 
 /// The rotation that takes +z to a direction given by azimuth (from +z towards +x) and elevation, in degrees.

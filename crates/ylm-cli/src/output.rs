@@ -1,8 +1,14 @@
 //! What the command says: text or one JSON object on standard output, logs on standard error.
 
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 
 use serde_json::Value;
+
+/// A path for `--json`, which holds Unicode only: other bytes become U+FFFD.
+pub fn path_value(path: &Path) -> Value {
+    path.to_string_lossy().into()
+}
 
 /// Options that every verb takes.
 #[derive(clap::Args)]

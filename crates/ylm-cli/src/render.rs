@@ -4,10 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::Vec3;
 use serde_json::json;
 use ylm::Bands;
-use ylm_prt::error::Result;
+use ylm_prt::error;
 use ylm_prt::format::read_baked;
 use ylm_prt::image::Image;
 use ylm_prt::light::{Light, Source};
@@ -18,7 +19,7 @@ use ylm_prt::transfer::Baked;
 use crate::interrupt;
 use crate::light::mean_radiance;
 use crate::options::{self, CameraPlace, Exposure, LightOptions};
-use crate::output::Output;
+use crate::output::{Output, path_value};
 use crate::shading::{self, Shaded};
 
 /// Draw a baked scene under a light
@@ -33,7 +34,7 @@ pub struct Arguments {
     #[command(flatten)]
     options: LightOptions,
     /// The picture to write: .png, or .exr for linear radiance
-    #[arg(short, long, value_name = "PICTURE", value_parser = options::picture)]
+    #[arg(short, long, value_name = "PICTURE", value_parser = PathBufValueParser::new().try_map(options::picture))]
     output: PathBuf,
     /// How vertices are lit
     #[arg(long, value_enum, default_value_t = Shading::Diffuse)]
@@ -81,11 +82,33 @@ enum Background {
     Black,
 }
 
+impl Arguments {
+    /// What no single option shows to be wrong usage.
+    ///
+    /// # Errors
+    /// The line that says so.
+    pub fn check(&self) -> Result<(), String> {
+        if options::has_extension(&self.output, "exr") && self.tonemap != ToneMap::None {
+            return Err("--tonemap is for .png; an .exr holds linear radiance".to_owned());
+        }
+        if matches!(self.shading, Shading::Reference)
+            && self.light_bands.is_none()
+            && self.options.has_window()
+        {
+            return Err(
+                "--window damps bands, and --shading reference has none without --light-bands".to_owned()
+            );
+        }
+        Ok(())
+    }
+}
+
 /// Runs the verb.
-pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
+pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
+    options::check_destination(&arguments.output, &[&arguments.baked], &arguments.light)?;
     let start = Instant::now();
     let baked = read_baked(&arguments.baked)?;
-    let light = arguments.options.read(&arguments.light)?;
+    let light = arguments.options.read(&arguments.light, output)?;
     let bvh = Bvh::build(&baked.points.positions, &baked.points.triangles);
     output.step(&format!(
         "{} points read in {:.2} s",
@@ -126,7 +149,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
         start.elapsed().as_secs_f64()
     );
     let value = json!({
-        "output": arguments.output, "size": [width, height], "light": arguments.light, "shading": shading,
+        "output": path_value(&arguments.output), "size": [width, height], "light": arguments.light, "repaired": options::repaired_count(&light), "shading": shading,
         "bands": baked.transfer.bands.count(), "light_bands": arguments.light_bands.map(Bands::count),
         "points": shaded.radiance.len(), "radiance": shaded.statistics(), "noise": shaded.noise,
         "shade_seconds": shade_seconds, "render_seconds": render_seconds, "seconds": start.elapsed().as_secs_f64(),
@@ -135,7 +158,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
     Ok(())
 }
 
-fn shade(arguments: &Arguments, baked: &Baked, light: &Light, bvh: &Bvh) -> Result<Shaded> {
+fn shade(arguments: &Arguments, baked: &Baked, light: &Light, bvh: &Bvh) -> error::Result<Shaded> {
     let coeffs = |bands| arguments.options.project(light, bands);
     match (arguments.shading, arguments.light_bands) {
         (Shading::Diffuse, bands) => {
@@ -150,9 +173,9 @@ fn shade(arguments: &Arguments, baked: &Baked, light: &Light, bvh: &Bvh) -> Resu
     }
 }
 
-fn write_picture(arguments: &Arguments, mut image: Image, exposure: f32) -> Result<()> {
+fn write_picture(arguments: &Arguments, mut image: Image, exposure: f32) -> error::Result<()> {
     let _guard = interrupt::Guard::new();
-    if arguments.output.extension().is_some_and(|extension| extension == "exr") {
+    if options::has_extension(&arguments.output, "exr") {
         image.pixels.iter_mut().flatten().for_each(|value| *value *= exposure.exp2());
         return image.write_exr(&arguments.output);
     }

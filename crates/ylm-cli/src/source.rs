@@ -4,10 +4,11 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use ylm_prt::error::{Error, Result};
 use ylm_prt::image;
-use ylm_prt::scene::{LightingPoints, Mesh, NonFinite, ReadOptions, UpAxis};
+use ylm_prt::scene::{LightingPoints, Mesh, NonFinite, ReadOptions, Repairs, UpAxis};
 
 use crate::output::Output;
 
@@ -54,6 +55,34 @@ pub struct Source {
     pub names: Vec<String>,
     /// SHA-256 of the files' bytes, one after the other.
     pub sha256: String,
+    /// What is not as the files have it.
+    pub changes: Changes,
+}
+
+/// What was left out of models, or changed in them.
+#[derive(Default)]
+pub struct Changes {
+    repairs: Repairs,
+    /// Triangles without area, left out of the lighting points.
+    degenerate_triangle_count: usize,
+}
+
+impl Changes {
+    fn add(&mut self, more: &Repairs) {
+        self.repairs.dropped_vertex_count += more.dropped_vertex_count;
+        self.repairs.dropped_face_count += more.dropped_face_count;
+        self.repairs.whitened_vertex_count += more.whitened_vertex_count;
+    }
+
+    /// For `--json`: how many of each were left out, and how many vertices made white.
+    pub fn value(&self) -> Value {
+        json!({
+            "degenerate_triangles": self.degenerate_triangle_count,
+            "vertices": self.repairs.dropped_vertex_count,
+            "faces": self.repairs.dropped_face_count,
+            "whitened_vertices": self.repairs.whitened_vertex_count,
+        })
+    }
 }
 
 /// Reads models and joins them.
@@ -64,8 +93,11 @@ pub fn read_models(paths: &[PathBuf], options: &ModelOptions, output: &Output) -
     let mut mesh = Mesh::default();
     let mut hash = Sha256::new();
     let mut names = Vec::new();
+    let mut changes = Changes::default();
     for path in paths {
-        let model = Mesh::open(path, &options.read_options())?;
+        let (model, repairs) = Mesh::open_and_count(path, &options.read_options())?;
+        warn_of_repairs(path, &repairs, output);
+        changes.add(&repairs);
         output.step(&format!(
             "{}: {} vertices, {} triangles",
             path.display(),
@@ -76,9 +108,35 @@ pub fn read_models(paths: &[PathBuf], options: &ModelOptions, output: &Output) -
         hash_file(path, &mut hash).map_err(|error| Error::io(path, error))?;
         names.push(path.file_name().unwrap_or_default().to_string_lossy().into_owned());
     }
-    let points = LightingPoints::from_mesh(&mesh)?;
+    let points = LightingPoints::from_mesh(&mesh).map_err(|error| match paths {
+        [path] => Error::file(path, error),
+        _ => error,
+    })?;
+    changes.degenerate_triangle_count = mesh.triangles.len() - points.triangles.len();
+    if changes.degenerate_triangle_count > 0 {
+        output.warn(&format!(
+            "{} of {} triangles have no area and are left out",
+            changes.degenerate_triangle_count,
+            mesh.triangles.len()
+        ));
+    }
     let sha256 = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-    Ok(Source { points, names, sha256 })
+    Ok(Source { points, names, sha256, changes })
+}
+
+/// Says what `--repair` changed.
+pub fn warn_of_repairs(path: &Path, repairs: &Repairs, output: &Output) {
+    let Repairs { dropped_vertex_count: vertices, dropped_face_count: faces, whitened_vertex_count: white } =
+        repairs;
+    if *vertices > 0 {
+        output.warn(&format!(
+            "{}: dropped {vertices} vertices that are not finite, and {faces} faces that use them",
+            path.display()
+        ));
+    }
+    if *white > 0 {
+        output.warn(&format!("{}: made {white} vertices white whose colour is no albedo", path.display()));
+    }
 }
 
 fn hash_file(path: &Path, hash: &mut Sha256) -> io::Result<()> {

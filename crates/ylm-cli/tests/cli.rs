@@ -110,7 +110,9 @@ fn a_failure_is_one_line_that_names_the_file_and_leaves_nothing() {
         ("bake absent.ply -o new.safetensors", "absent.ply"),
         ("bake bad.obj -o old.safetensors", "bad.obj"),
         ("bake cube.obj bad.obj -o new.safetensors", "bad.obj"),
-        ("bake cube.obj -o absent/new.safetensors --rays 8", "absent/new.safetensors"),
+        ("bake cube.obj -o absent/new.safetensors --rays 8", "there is no folder absent"),
+        ("bake cube.obj -o ./cube.obj --rays 8", "give another name"),
+        ("render . --light white -o new.png", "is no file"),
         ("render cube.obj --light white -o new.png", "cube.obj"),
         ("render absent.safetensors --light white -o new.png", "absent.safetensors"),
         ("info bad.obj", "bad.obj"),
@@ -141,6 +143,13 @@ fn wrong_usage_has_exit_status_2() {
         "bake cube.obj -o a.safetensors --rays 0",
         "bake cube.obj -o a.safetensors --bias -1",
         "bake cube.obj -o a.safetensors --transfer glossy",
+        "bake cube.obj -o a.safetensors --resume",
+        "render a.safetensors --light white -o a.jpg",
+        "render a.safetensors --light white -o a.exr --tonemap agx",
+        "render a.safetensors --light white -o a.png --shading reference --window hann:4",
+        "render a.safetensors --light white -o a.png --shading adaptive",
+        "render a.safetensors --light white -o a.png --camera 0,91",
+        "light white -o white.hdr",
         "render a.safetensors --light white -o a.png --size 0x0",
         "render a.safetensors --light white -o a.png --camera 1",
         "render a.safetensors -o a.png",
@@ -151,6 +160,46 @@ fn wrong_usage_has_exit_status_2() {
         place.failure(arguments, 2);
     }
     assert_eq!(place.files(), ["cube.obj"]);
+}
+
+#[test]
+fn what_is_left_out_or_repaired_is_counted_on_standard_error_and_in_json() {
+    let place = Place::new();
+    let sliver = "f 1 2 1\nv nan 0 0\nf 1 2 9\nf 2 3 9\n";
+    fs::write(place.path("torn.obj"), format!("{CUBE}{sliver}")).unwrap();
+    place.failure("bake torn.obj -o torn.safetensors --rays 8", 1);
+    let output = place.run("bake torn.obj -o torn.safetensors --rays 8 --repair --json");
+    let bake: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let expected =
+        serde_json::json!({"degenerate_triangles": 1, "vertices": 1, "faces": 2, "whitened_vertices": 0});
+    assert_eq!(bake["left_out"], expected);
+    let words = String::from_utf8(output.stderr).unwrap();
+    assert!(words.contains("dropped 1 vertices") && words.contains("1 of 13 triangles"), "{words}");
+    assert_eq!(place.json("info torn.obj --repair")["dropped_faces"], 2);
+
+    // 2 × 1 texels, the first of them NaN.
+    let texels = [f32::NAN, 1.0, 1.0, 1.0, 1.0, 1.0].map(f32::to_le_bytes).concat();
+    fs::write(place.path("sky.pfm"), [&b"PF\n2 1\n-1.0\n"[..], &texels].concat()).unwrap();
+    let output = place.run("light sky.pfm?layout=latlong --repair --json");
+    let light: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(light["repaired"], 1);
+    assert!(String::from_utf8(output.stderr).unwrap().contains("set 1 channels of texels to 0"));
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn names_that_are_no_unicode_are_read_and_written() {
+    use std::os::unix::ffi::OsStrExt;
+    let place = Place::new();
+    let name = |bytes| std::ffi::OsStr::from_bytes(bytes).to_owned();
+    let (baked, picture) = (name(b"cube\xff.safetensors"), name(b"cube\xff.png"));
+    let bake = place.command("bake cube.obj --rays 8 --json -o").arg(&baked).output().unwrap();
+    assert!(bake.status.success() && bake.stderr.is_empty());
+    assert!(serde_json::from_slice::<Value>(&bake.stdout).is_ok());
+    let mut render = place.command("render --light white --size 8x8 --json");
+    let render = render.arg(&baked).arg("-o").arg(&picture).output().unwrap();
+    assert!(render.status.success() && serde_json::from_slice::<Value>(&render.stdout).is_ok());
+    assert!(is_png(&place.0.path().join(picture)));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 
 use crate::error::{Error, Result};
-use crate::scene::read::{self, ReadOptions};
+use crate::scene::read::{self, ReadOptions, Repairs};
 
 /// Triangles over shared positions.
 ///
@@ -39,8 +39,16 @@ impl Mesh {
     /// # Errors
     /// If the file cannot be read, or its content breaks its format's rules; see [`read::MeshFault`].
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
+        Self::open_and_count(path, options).map(|(mesh, _)| mesh)
+    }
+
+    /// [`Mesh::open`], and what the options let it repair.
+    ///
+    /// # Errors
+    /// As [`Mesh::open`].
+    pub fn open_and_count(path: &Path, options: &ReadOptions) -> Result<(Self, Repairs)> {
         let bytes = std::fs::read(path).map_err(|source| Error::io(path, source))?;
-        read::read(&bytes, path, options).map_err(|fault| Error::file(path, fault))
+        read::read_and_count(&bytes, path, options).map_err(|fault| Error::file(path, fault))
     }
 
     /// The smallest and largest coordinates, over all positions; `None` without positions.

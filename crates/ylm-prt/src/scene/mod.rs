@@ -19,5 +19,5 @@ pub use bvh::{Bvh, Directions, Hit, Ray, Vantage};
 pub use camera::{Camera, View};
 pub use mesh::{Mesh, Normals};
 pub use points::LightingPoints;
-pub use read::{MeshFault, NonFinite, ReadOptions, UpAxis};
+pub use read::{MeshFault, NonFinite, ReadOptions, Repairs, UpAxis};
 pub use topology::Topology;

@@ -31,6 +31,17 @@ pub enum NonFinite {
     Drop,
 }
 
+/// How much of a file [`NonFinite::Drop`] changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Repairs {
+    /// Vertices without finite position, left out.
+    pub dropped_vertex_count: usize,
+    /// Faces that use one, left out.
+    pub dropped_face_count: usize,
+    /// Vertices whose colour was no albedo, made white.
+    pub whitened_vertex_count: usize,
+}
+
 /// Which axis of a file points up in the world, whose y axis does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum UpAxis {
@@ -136,6 +147,18 @@ impl std::fmt::Display for Place {
 /// # Errors
 /// See [`MeshFault`].
 pub fn read(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Mesh, MeshFault> {
+    read_and_count(bytes, path, options).map(|(mesh, _)| mesh)
+}
+
+/// [`read`], and what the options let it repair.
+///
+/// # Errors
+/// See [`MeshFault`].
+pub fn read_and_count(
+    bytes: &[u8],
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<(Mesh, Repairs), MeshFault> {
     let draft = match Format::of(bytes, path).ok_or(MeshFault::UnknownFormat)? {
         Format::Ply => ply::read(bytes)?,
         Format::Obj => obj::read(bytes)?,
@@ -260,7 +283,7 @@ impl Draft {
     }
 
     /// Checks what only the whole file shows, cuts faces into triangles, and turns the up axis.
-    pub fn finish(mut self, options: &ReadOptions) -> Result<Mesh, MeshFault> {
+    pub fn finish(mut self, options: &ReadOptions) -> Result<(Mesh, Repairs), MeshFault> {
         for (what, count) in [("vertices", self.positions.len()), ("normals", self.normals.len())] {
             if count >= u32::MAX as usize {
                 return Err(MeshFault::TooMany { what });
@@ -272,6 +295,11 @@ impl Draft {
                 *v = Vec3::new(v.x, v.z, -v.y);
             }
         }
+        let repairs = Repairs {
+            dropped_vertex_count: self.bad_positions.count,
+            dropped_face_count: self.faces().filter(|corners| !self.is_finite(corners)).count(),
+            whitened_vertex_count: self.bad_colours.count,
+        };
         let (triangles, normal_triangles) = self.cut_faces()?;
         let mut mesh = Mesh { positions: self.positions, triangles, normals: None, albedo: None };
         if !self.normals.is_empty() {
@@ -284,7 +312,18 @@ impl Draft {
         if self.bad_positions.count > 0 {
             drop_non_finite_positions(&mut mesh);
         }
-        Ok(mesh)
+        Ok((mesh, repairs))
+    }
+
+    /// The corners of each face.
+    fn faces(&self) -> impl Iterator<Item = &[Corner]> {
+        let starts = std::iter::once(&0).chain(&self.face_ends);
+        starts.zip(&self.face_ends).map(|(&start, &end)| &self.corners[start..end])
+    }
+
+    fn is_finite(&self, corners: &[Corner]) -> bool {
+        self.bad_positions.count == 0
+            || corners.iter().all(|c| self.positions[c.position as usize].is_finite())
     }
 
     fn settle_non_finite(&mut self, non_finite: NonFinite) -> Result<(), MeshFault> {
@@ -311,14 +350,11 @@ impl Draft {
         let mut normal_triangles =
             Vec::with_capacity(if self.normals.is_empty() { 0 } else { self.face_ends.len() });
         let mut cutter = Cutter::default();
-        let mut start = 0;
-        for (face, &end) in self.face_ends.iter().enumerate() {
-            let corners = &self.corners[start..end];
-            start = end;
-            let points = corners.iter().map(|corner| self.positions[corner.position as usize]);
-            if self.bad_positions.count > 0 && !points.clone().all(Vec3::is_finite) {
+        for (face, corners) in self.faces().enumerate() {
+            if !self.is_finite(corners) {
                 continue;
             }
+            let points = corners.iter().map(|corner| self.positions[corner.position as usize]);
             let cut = cutter
                 .cut(points)
                 .map_err(|TooManyCorners| MeshFault::LargeConcaveFace { face, corners: corners.len() })?;
