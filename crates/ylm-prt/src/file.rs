@@ -67,7 +67,7 @@ mod tests {
     fn a_destination_without_folder_or_among_the_inputs_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let input = folder.path().join("mesh.obj");
-        std::fs::write(&input, "v 0 0 0").unwrap();
+        fs::write(&input, "v 0 0 0").unwrap();
         let refusal = |name: &str| {
             let refused = check_destination(&folder.path().join(name), &[&input]);
             refused.map_err(|error| error.to_string())
@@ -88,7 +88,7 @@ mod tests {
             Err(io::Error::other("disk full"))
         });
         assert!(failed.unwrap_err().to_string().ends_with("light.json: disk full"));
-        assert_eq!(std::fs::read(&path).unwrap(), b"old");
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 }
