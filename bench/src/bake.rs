@@ -117,7 +117,14 @@ pub fn run(options: &Options) -> Vec<Table> {
 
 fn settings(bands: usize, rays: u32) -> BakeSettings {
     let bands = Bands::new(bands).expect("bands of this table");
-    BakeSettings { bands, kind: TransferKind::Shadowed, rays, seed: 1, bias: BakeSettings::BIAS }
+    BakeSettings {
+        bands,
+        kind: TransferKind::Shadowed,
+        rays,
+        seed: 1,
+        bias: BakeSettings::BIAS,
+        t_max: f32::INFINITY,
+    }
 }
 
 /// Lighting points and hierarchy of a mesh, and the seconds that building took.

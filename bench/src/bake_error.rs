@@ -8,7 +8,7 @@ use glam::Vec3;
 use ylm::Bands;
 use ylm_prt::light::{Light, LightCoeffs};
 use ylm_prt::reference::{Irradiance, Occlusion, Settings, irradiance, irradiance_of};
-use ylm_prt::scene::{Bvh, LightingPoints, Mesh, ReadOptions};
+use ylm_prt::scene::{Blockers, Bvh, LightingPoints, Mesh, ReadOptions};
 use ylm_prt::shade::shade_diffuse;
 use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, TransferKind, bake};
 
@@ -114,15 +114,17 @@ impl Scene {
 
     fn bake(&self, bands: Bands, rays: u32) -> Baked {
         let kind = TransferKind::Shadowed;
-        let settings = BakeSettings { bands, kind, rays, seed: 1, bias: BakeSettings::BIAS };
+        let settings =
+            BakeSettings { bands, kind, rays, seed: 1, bias: BakeSettings::BIAS, t_max: f32::INFINITY };
         let transfer = bake(&self.points, &self.bvh, &settings, &()).expect("rays to cast");
         let record = BakeRecord::new(&settings, vec![MESH.to_owned()], String::new());
-        Baked { points: self.points.clone(), transfer, record }
+        Baked { points: self.points.clone(), blockers: Blockers::default(), transfer, record }
     }
 
     /// Points' indices, what blocks, and how the references sample.
     fn reference_parts(&self) -> (Vec<u32>, Occlusion<'_>, Settings) {
-        let settings = Settings { rays: REFERENCE_RAYS, seed: 2, bias: BakeSettings::BIAS };
+        let settings =
+            Settings { rays: REFERENCE_RAYS, seed: 2, bias: BakeSettings::BIAS, t_max: f32::INFINITY };
         ((0..self.points.positions.len() as u32).collect(), Occlusion::By(&self.bvh), settings)
     }
 

@@ -5,17 +5,17 @@ use std::time::Instant;
 
 use serde_json::json;
 use ylm::Bands;
-use ylm_prt::error::{Error, Result};
+use ylm_prt::error::{self, Error};
 use ylm_prt::file::check_destination;
 use ylm_prt::format::write_baked;
 use ylm_prt::scene::Bvh;
-use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, TransferKind, bake};
+use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, Precision, TransferKind, bake};
 
 use crate::interrupt;
 use crate::options;
 use crate::output::{Output, path_value};
 use crate::progress::BakeProgress;
-use crate::source::{ModelOptions, read_models};
+use crate::source::{ModelOptions, read_blockers, read_models};
 
 /// Bake the light transport of models: what each point of their surface sees of the light around
 #[derive(clap::Args)]
@@ -42,6 +42,15 @@ pub struct Arguments {
     /// 256, 1024 or 4096 rays a point
     #[arg(long, value_enum, default_value_t = Quality::Medium)]
     quality: Quality,
+    /// Mesh that only casts shadow: without lighting points, not drawn; repeat for several
+    #[arg(long = "blocker", value_name = "MODEL")]
+    blockers: Vec<PathBuf>,
+    /// Where rays end, in the models' units: what is farther away does not block (default: nowhere)
+    #[arg(long = "tmax", value_parser = options::positive, value_name = "D")]
+    t_max: Option<f32>,
+    /// Store transfer as 16-bit floats: half the size, an error of about 0.02 % of vertex radiance
+    #[arg(long)]
+    half: bool,
     /// How far rays start from the surface, as a fraction of the diagonal of its bounding box
     #[arg(long, default_value_t = BakeSettings::BIAS, value_parser = options::fraction, value_name = "E")]
     bias: f32,
@@ -83,17 +92,37 @@ impl Quality {
     }
 }
 
+impl Arguments {
+    /// What no single option shows to be wrong usage.
+    ///
+    /// # Errors
+    /// The line that says so.
+    pub fn check(&self) -> Result<(), String> {
+        let casts_rays = !matches!(self.transfer, Transfer::Unshadowed);
+        if !casts_rays && !self.blockers.is_empty() {
+            return Err("--blocker casts shadow, and --transfer unshadowed has none".to_owned());
+        }
+        if !casts_rays && self.t_max.is_some() {
+            return Err("--tmax ends rays, and --transfer unshadowed casts none".to_owned());
+        }
+        Ok(())
+    }
+}
+
 /// Runs the verb.
-pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
+pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     let _guard = interrupt::Guard::new();
     if let Some(threads) = arguments.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
         pool.map_err(|error| Error::Request(format!("{threads} threads: {error}")))?;
     }
-    let models: Vec<&Path> = arguments.models.iter().map(PathBuf::as_path).collect();
+    let models: Vec<&Path> =
+        arguments.models.iter().chain(&arguments.blockers).map(PathBuf::as_path).collect();
     check_destination(&arguments.output, &models)?;
     let start = Instant::now();
     let mut source = read_models(&arguments.models, &arguments.model, output)?;
+    let blockers = read_blockers(&arguments.blockers, &arguments.model, output)?;
+    blockers.meshes.check_beside(&source.points)?;
     if let Some(albedo) = arguments.albedo {
         source.points.albedo.fill(albedo);
     }
@@ -107,8 +136,9 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
         rays: arguments.rays.unwrap_or(arguments.quality.rays()),
         seed: arguments.seed,
         bias: arguments.bias,
+        t_max: arguments.t_max.unwrap_or(f32::INFINITY),
     };
-    let bvh = Bvh::build(&source.points.positions, &source.points.triangles);
+    let bvh = Bvh::of_scene(&source.points, &blockers.meshes);
     let point_count = source.points.positions.len();
     let triangle_count = source.points.triangles.len();
     output.step(&format!(
@@ -122,8 +152,10 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
     let transfer = transfer?;
     let (bake_seconds, ray_count) = (progress.seconds(), progress.ray_count());
 
-    let record = BakeRecord::new(&settings, source.names, source.sha256);
-    let baked = Baked { points: source.points, transfer, record };
+    let mut record = BakeRecord::new(&settings, source.names, source.sha256);
+    (record.blockers, record.blockers_sha256) = (blockers.names, blockers.sha256);
+    record.precision = if arguments.half { Precision::Half } else { Precision::Single };
+    let baked = Baked { points: source.points, blockers: blockers.meshes, transfer, record };
     write_baked(&arguments.output, &baked)?;
 
     let (bands, seconds) = (settings.bands.count(), start.elapsed().as_secs_f64());
@@ -138,6 +170,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
         "output": path_value(&arguments.output), "points": point_count, "triangles": triangle_count, "bands": bands,
         "transfer": kind.name(), "rays_a_point": baked.record.rays, "rays": ray_count, "seconds": seconds,
         "bake_seconds": bake_seconds, "rays_a_second": ray_count as f64 / bake_seconds, "left_out": source.changes.value(),
+        "blocker_triangles": baked.blockers.triangles.len(), "tmax": arguments.t_max, "half": arguments.half,
     });
     output.result(&text, &value);
     Ok(())

@@ -17,7 +17,7 @@ use ylm_prt::render::{
     Difference, ErrorScale, Frame, Raster, Sheet, ToneMap, backdrop, contact_sheet, develop, error_picture,
     render,
 };
-use ylm_prt::scene::{Bvh, Camera, LightingPoints, demo};
+use ylm_prt::scene::{Blockers, Bvh, Camera, LightingPoints, demo};
 use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, TransferKind, bake};
 
 use self::report::{Figure, Report, Section};
@@ -150,13 +150,14 @@ impl Demo {
             rays: arguments.rays,
             seed: 0,
             bias: BakeSettings::BIAS,
+            t_max: f32::INFINITY,
         };
         let progress = BakeProgress::new(output, points.positions.len());
         let bake_as = |kind| -> Result<Baked> {
             let settings = BakeSettings { kind, ..settings };
             let transfer = bake(&points, &bvh, &settings, &progress)?;
             let record = BakeRecord::new(&settings, Vec::new(), String::new());
-            Ok(Baked { points: points.clone(), transfer, record })
+            Ok(Baked { points: points.clone(), blockers: Blockers::default(), transfer, record })
         };
         let shadowed = bake_as(TransferKind::Shadowed);
         progress.finish();

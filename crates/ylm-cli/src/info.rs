@@ -11,6 +11,7 @@ use ylm_prt::format::read_baked;
 use ylm_prt::image::{Image, ReadOptions};
 use ylm_prt::light::{LightCoeffs, Probe};
 use ylm_prt::scene::{LightingPoints, Mesh, Topology};
+use ylm_prt::transfer::Precision;
 
 use crate::output::Output;
 use crate::source::{ModelOptions, warn_of_repairs};
@@ -136,6 +137,10 @@ fn baked(path: &Path) -> Result<Map<String, Value>> {
         "rays": record.rays,
         "seed": record.seed,
         "bias": record.bias,
+        "tmax": record.t_max.is_finite().then_some(record.t_max),
+        "blockers": record.blockers,
+        "blocker_triangles": baked.blockers.triangles.len(),
+        "half": record.precision == Precision::Half,
         "source": record.source,
         "source_sha256": record.source_sha256,
         "ylm_version": record.ylm_version,

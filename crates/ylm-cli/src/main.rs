@@ -48,9 +48,12 @@ Start here:
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    if let Verb::Render(render) = &arguments.verb
-        && let Err(message) = render.check()
-    {
+    let usage = match &arguments.verb {
+        Verb::Bake(bake) => bake.check(),
+        Verb::Render(render) => render.check(),
+        _ => Ok(()),
+    };
+    if let Err(message) = usage {
         Arguments::command().error(ErrorKind::ArgumentConflict, message).exit();
     }
     let output = Output::new(&arguments.output);

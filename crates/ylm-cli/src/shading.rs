@@ -7,7 +7,7 @@ use ylm_prt::light::{Light, LightCoeffs};
 use ylm_prt::reference::{Irradiance, Occlusion, Settings, irradiance};
 use ylm_prt::scene::{Bvh, LightingPoints};
 use ylm_prt::shade::shade_diffuse;
-use ylm_prt::transfer::{Baked, TransferKind};
+use ylm_prt::transfer::{BakeRecord, Baked, TransferKind};
 
 use crate::interrupt;
 
@@ -26,17 +26,21 @@ pub fn diffuse(baked: &Baked, light: &LightCoeffs) -> Shaded {
 
 /// Lights by rays from the light itself, with the occlusion that the bake had.
 ///
+/// `drawn` is the hierarchy of the points' own triangles; where blockers stand beside them, one of both is built.
+///
 /// # Errors
 /// If the light has no finite power, or the user interrupts.
-pub fn reference(baked: &Baked, bvh: &Bvh, light: &Light, rays: u32) -> Result<Shaded> {
+pub fn reference(baked: &Baked, drawn: &Bvh, light: &Light, rays: u32) -> Result<Shaded> {
     let _guard = interrupt::Guard::new();
     let points = &baked.points;
+    let with_blockers = (!baked.blockers.is_empty()).then(|| Bvh::of_scene(points, &baked.blockers));
     let occlusion = match baked.record.kind {
         TransferKind::Unshadowed => Occlusion::None,
-        TransferKind::Shadowed => Occlusion::By(bvh),
+        TransferKind::Shadowed => Occlusion::By(with_blockers.as_ref().unwrap_or(drawn)),
     };
     // The bake's samples have seeds of their own; a reference must not share its noise.
-    let settings = Settings { rays, seed: !baked.record.seed, bias: baked.record.bias };
+    let BakeRecord { seed, bias, t_max, .. } = baked.record;
+    let settings = Settings { rays, seed: !seed, bias, t_max };
     let all: Vec<u32> = (0..points.positions.len() as u32).collect();
     let goes_on = |_done: usize| !interrupt::is_interrupted();
     let irradiance = irradiance(points, &all, occlusion, light, &settings, &goes_on)?;

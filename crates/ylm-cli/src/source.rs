@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use ylm_prt::error::{Error, Result};
 use ylm_prt::image;
-use ylm_prt::scene::{LightingPoints, Mesh, NonFinite, ReadOptions, Repairs, UpAxis};
+use ylm_prt::scene::{Blockers, LightingPoints, Mesh, NonFinite, ReadOptions, Repairs, UpAxis};
 
 use crate::output::Output;
 
@@ -106,7 +106,7 @@ pub fn read_models(paths: &[PathBuf], options: &ModelOptions, output: &Output) -
         ));
         mesh.append(&model)?;
         hash_file(path, &mut hash).map_err(|error| Error::io(path, error))?;
-        names.push(path.file_name().unwrap_or_default().to_string_lossy().into_owned());
+        names.push(file_name(path));
     }
     let points = LightingPoints::from_mesh(&mesh).map_err(|error| match paths {
         [path] => Error::file(path, error),
@@ -120,8 +120,45 @@ pub fn read_models(paths: &[PathBuf], options: &ModelOptions, output: &Output) -
             mesh.triangles.len()
         ));
     }
-    let sha256 = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-    Ok(Source { points, names, sha256, changes })
+    Ok(Source { points, names, sha256: hexadecimal(hash), changes })
+}
+
+/// Blockers, and where they came from.
+pub struct BlockerSource {
+    /// All of them together.
+    pub meshes: Blockers,
+    /// File names without folders.
+    pub names: Vec<String>,
+    /// SHA-256 of the files' bytes, one after the other; empty without blockers.
+    pub sha256: String,
+}
+
+/// Reads meshes that only cast shadow.
+///
+/// # Errors
+/// If a file cannot be read, or has no triangle.
+pub fn read_blockers(paths: &[PathBuf], options: &ModelOptions, output: &Output) -> Result<BlockerSource> {
+    let mut source = BlockerSource { meshes: Blockers::default(), names: Vec::new(), sha256: String::new() };
+    let mut hash = Sha256::new();
+    for path in paths {
+        let (model, repairs) = Mesh::open_and_count(path, &options.read_options())?;
+        warn_of_repairs(path, &repairs, output);
+        let triangle_count = model.triangles.len();
+        output.step(&format!("{}: {triangle_count} triangles that block", path.display()));
+        source.meshes.add(&model).map_err(|error| Error::file(path, error))?;
+        hash_file(path, &mut hash).map_err(|error| Error::io(path, error))?;
+        source.names.push(file_name(path));
+        source.sha256 = hexadecimal(hash.clone());
+    }
+    Ok(source)
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn hexadecimal(hash: Sha256) -> String {
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Says what `--repair` changed.

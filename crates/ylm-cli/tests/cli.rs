@@ -1,64 +1,14 @@
 //! The command as a script sees it: exit status, one line of error, JSON, files.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod place;
 
-use assert_cmd::cargo::cargo_bin;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
 use serde_json::Value;
 
-const CUBE: &str = "\
-v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1
-f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 1 5 8 4\nf 2 3 7 6\n";
-
-/// A folder of its own, with a cube in it.
-struct Place(tempfile::TempDir);
-
-impl Place {
-    fn new() -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("cube.obj"), CUBE).unwrap();
-        Self(folder)
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn command(&self, arguments: &str) -> Command {
-        let mut command = Command::new(cargo_bin("ylm"));
-        command.current_dir(self.0.path()).args(arguments.split_whitespace());
-        command
-    }
-
-    fn run(&self, arguments: &str) -> Output {
-        self.command(arguments).output().unwrap()
-    }
-
-    /// Runs what must succeed, and gives its JSON.
-    fn json(&self, arguments: &str) -> Value {
-        let output = self.run(&format!("{arguments} --json"));
-        assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
-        serde_json::from_slice(&output.stdout).unwrap()
-    }
-
-    /// Runs what must fail with this status, and gives what it says.
-    fn failure(&self, arguments: &str, status: i32) -> String {
-        let output = self.run(arguments);
-        let message = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(status), "{arguments}: {message}");
-        assert!(output.stdout.is_empty(), "{arguments} wrote to standard output");
-        message
-    }
-
-    fn files(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.0.path()).unwrap();
-        let mut names: Vec<_> =
-            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
-    }
-}
+use place::{CUBE, Place};
 
 fn is_png(path: &Path) -> bool {
     fs::read(path).unwrap().starts_with(b"\x89PNG\r\n\x1a\n")
@@ -143,7 +93,12 @@ fn wrong_usage_has_exit_status_2() {
         "bake cube.obj -o a.safetensors --rays 0",
         "bake cube.obj -o a.safetensors --bias -1",
         "bake cube.obj -o a.safetensors --transfer glossy",
-        "bake cube.obj -o a.safetensors --resume",
+        "bake cube.obj -o a.safetensors --tmax 0",
+        "bake cube.obj -o a.safetensors --tmax inf",
+        "bake cube.obj -o a.safetensors --transfer unshadowed --tmax 1",
+        "bake cube.obj -o a.safetensors --transfer unshadowed --blocker cube.obj",
+        "bake cube.obj -o a.safetensors --quality best",
+        "bake cube.obj -o a.safetensors --quality final --rays 8",
         "render a.safetensors --light white -o a.jpg",
         "render a.safetensors --light white -o a.exr --tonemap agx",
         "render a.safetensors --light white -o a.png --shading reference --window hann:4",

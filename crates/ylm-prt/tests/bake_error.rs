@@ -8,7 +8,7 @@ use glam::Vec3;
 use ylm::Bands;
 use ylm_prt::light::Light;
 use ylm_prt::reference::{Occlusion, Settings, irradiance_of};
-use ylm_prt::scene::{Bvh, LightingPoints, Mesh, ReadOptions};
+use ylm_prt::scene::{Blockers, Bvh, LightingPoints, Mesh, ReadOptions};
 use ylm_prt::shade::shade_diffuse;
 use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, TransferKind, bake};
 
@@ -24,9 +24,15 @@ fn some(points: &LightingPoints) -> LightingPoints {
 
 fn baked(points: &LightingPoints, bvh: &Bvh, bands: Bands, rays: u32) -> Baked {
     let kind = TransferKind::Shadowed;
-    let settings = BakeSettings { bands, kind, rays, seed: 1, bias: BakeSettings::BIAS };
+    let settings =
+        BakeSettings { bands, kind, rays, seed: 1, bias: BakeSettings::BIAS, t_max: f32::INFINITY };
     let transfer = bake(points, bvh, &settings, &()).unwrap();
-    Baked { points: points.clone(), transfer, record: BakeRecord::new(&settings, Vec::new(), String::new()) }
+    Baked {
+        points: points.clone(),
+        blockers: Blockers::default(),
+        transfer,
+        record: BakeRecord::new(&settings, Vec::new(), String::new()),
+    }
 }
 
 /// √(Σ|a − b|² / Σ|b|²).
@@ -48,7 +54,7 @@ fn the_armadillo_is_within_one_percent_at_4096_rays_and_the_error_falls_as_rays_
     let bands = Bands::new(6).unwrap();
     let bakes = [256, 1024, 4096].map(|rays| baked(&points, &bvh, bands, rays));
     let indices: Vec<u32> = (0..points.positions.len() as u32).collect();
-    let settings = Settings { rays: 8192, seed: 7, bias: BakeSettings::BIAS };
+    let settings = Settings { rays: 8192, seed: 7, bias: BakeSettings::BIAS, t_max: f32::INFINITY };
     // The most uneven of the probes, and a smooth sky.
     for spec in [probe.to_str().unwrap(), "sky:clear?sun=35,120"] {
         let coeffs = Light::parse(spec).unwrap().project(bands).unwrap();

@@ -8,7 +8,7 @@ use ylm::basis::basis_at;
 use ylm_prt::image::{Decoded, Image, Projection};
 use ylm_prt::light::probe::LayoutWord;
 use ylm_prt::light::{Light, LightCoeffs, Probe};
-use ylm_prt::scene::{Bvh, Camera, LightingPoints, Mesh, ReadOptions, UpAxis, View};
+use ylm_prt::scene::{Blockers, Bvh, Camera, LightingPoints, Mesh, ReadOptions, UpAxis, View};
 use ylm_prt::shade::shade_diffuse;
 use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, TransferKind, bake};
 
@@ -42,9 +42,15 @@ fn points(normals: &[Vec3], albedo: f32) -> LightingPoints {
 }
 
 fn baked(points: LightingPoints, bvh: &Bvh, kind: TransferKind) -> Baked {
-    let settings = BakeSettings { bands: bands(), kind, rays: 4096, seed: 1, bias: 0.0 };
+    let settings =
+        BakeSettings { bands: bands(), kind, rays: 4096, seed: 1, bias: 0.0, t_max: f32::INFINITY };
     let transfer = bake(&points, bvh, &settings, &()).unwrap();
-    Baked { points, transfer, record: BakeRecord::new(&settings, Vec::new(), String::new()) }
+    Baked {
+        points,
+        blockers: Blockers::default(),
+        transfer,
+        record: BakeRecord::new(&settings, Vec::new(), String::new()),
+    }
 }
 
 fn open(points: LightingPoints) -> Baked {

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use glam::{Quat, Vec3, vec3};
 use rayon::ThreadPoolBuilder;
 use ylm::Bands;
-use ylm_prt::scene::{Bvh, LightingPoints};
+use ylm_prt::scene::{Blockers, Bvh, LightingPoints};
 use ylm_prt::transfer::{BakeSettings, Progress, Transfer, TransferKind, bake, visible_shares};
 
 fn settings(bands: usize, rays: u32) -> BakeSettings {
@@ -16,6 +16,7 @@ fn settings(bands: usize, rays: u32) -> BakeSettings {
         rays,
         seed: 1,
         bias: BakeSettings::BIAS,
+        t_max: f32::INFINITY,
     }
 }
 
@@ -353,6 +354,47 @@ fn requests_without_an_answer_say_why() {
         let text = message(BakeSettings { bias, ..settings(3, 16) });
         assert!(text.contains("it is a part of the scene's diagonal, from 0 to below 1"), "{text}");
     }
+    for t_max in [0.0, -1.0, f32::NAN] {
+        let text = message(BakeSettings { t_max, ..settings(3, 16) });
+        assert!(text.contains("their length is above 0"), "{text}");
+    }
     let empty = bake(&points(vec![], vec![]), &bvh, &settings(3, 16), &()).unwrap();
     assert!(empty.vectors.is_empty());
+}
+
+/// A square of half side `half` at height `y`, seen from below.
+fn ceiling(half: f32, y: f32) -> Blockers {
+    let positions = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let positions = positions.map(|(x, z)| Vec3::new(half * x, y, half * z));
+    Blockers { positions: positions.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]] }
+}
+
+#[test]
+fn a_blocker_shadows_as_far_as_rays_reach() {
+    let floor = points(vec![Vec3::ZERO], vec![Vec3::Y]);
+    // Rays to a ceiling at height 1 that end at D meet it within 60° of the normal for D = 2: sin² θ = 1 − 1/D² of the
+    // cosine hemisphere is blocked, and all of it without end but for the rim of a ceiling of 2000 × 2000.
+    let bvh = Bvh::of_scene(&floor, &ceiling(1000.0, 1.0));
+    for (t_max, blocked) in
+        [(0.5f32, 0.0), (1.1, 1.0 - 1.0 / 1.21), (2.0, 0.75), (4.0, 0.9375), (f32::INFINITY, 1.0)]
+    {
+        let settings = BakeSettings { bias: 0.0, t_max, ..settings(3, 4096) };
+        let irradiance = under_white(&bake(&floor, &bvh, &settings, &()).unwrap())[0];
+        // One of 64 rings of samples is cut through at most; 4e-4 measured.
+        assert!((irradiance / PI - (1.0 - blocked)).abs() <= 2e-3, "{t_max}: {irradiance}, {blocked}");
+    }
+}
+
+#[test]
+fn a_blocker_changes_nothing_that_it_does_not_stand_before() {
+    let (positions, normals, triangles) = ellipsoid(24, vec3(1.0, 0.5, 2.0));
+    let lit = LightingPoints { triangles, ..points(positions, normals) };
+    let alone = Bvh::of_scene(&lit, &Blockers::default());
+    let beside = Bvh::of_scene(&lit, &ceiling(1.0, -1000.0));
+    let settings = settings(4, 64);
+    let (alone, beside) =
+        (bake(&lit, &alone, &settings, &()).unwrap(), bake(&lit, &beside, &settings, &()).unwrap());
+    // Points that look down see a square of 2 × 2 a thousand away: a ray in a million.
+    let differing = alone.rows().zip(beside.rows()).filter(|(a, b)| a != b).count();
+    assert!(differing * 100 <= lit.positions.len(), "{differing} of {}", lit.positions.len());
 }

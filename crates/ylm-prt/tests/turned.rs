@@ -10,7 +10,7 @@ use ylm::Bands;
 use ylm_prt::image::Image;
 use ylm_prt::light::Light;
 use ylm_prt::render::{Raster, render};
-use ylm_prt::scene::{Bvh, Camera, LightingPoints, Mesh, ReadOptions, View};
+use ylm_prt::scene::{Blockers, Bvh, Camera, LightingPoints, Mesh, ReadOptions, View};
 use ylm_prt::shade::shade_diffuse;
 use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, TransferKind, bake};
 
@@ -48,7 +48,7 @@ fn shown(
     let bvh = Bvh::build(&points.positions, &points.triangles);
     let transfer = bake(points, &bvh, settings, &()).unwrap();
     let record = BakeRecord::new(settings, Vec::new(), String::new());
-    let baked = Baked { points: points.clone(), transfer, record };
+    let baked = Baked { points: points.clone(), blockers: Blockers::default(), transfer, record };
     let radiance = shade_diffuse(&baked, &light.project(settings.bands).unwrap());
     let raster = Raster { width: 96, height: 72, samples: 4 };
     let image = render(points, &bvh, &radiance, camera, &raster, &|_| Vec3::ZERO).unwrap();
@@ -67,7 +67,14 @@ fn both_ways(points: &LightingPoints, settings: &BakeSettings, rotation: Quat) -
 }
 
 fn settings(kind: TransferKind, rays: u32) -> BakeSettings {
-    BakeSettings { bands: Bands::new(BANDS).unwrap(), kind, rays, seed: 1, bias: BakeSettings::BIAS }
+    BakeSettings {
+        bands: Bands::new(BANDS).unwrap(),
+        kind,
+        rays,
+        seed: 1,
+        bias: BakeSettings::BIAS,
+        t_max: f32::INFINITY,
+    }
 }
 
 fn pixels(image: &Image) -> Vec<Vec3> {

@@ -9,6 +9,8 @@ use std::io;
 use std::path::Path;
 
 use glam::Vec3;
+use half::f16;
+use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
 use safetensors::tensor::{Metadata, TensorInfo};
 use safetensors::{Dtype, SafeTensors};
 use serde_json::{Map, Value, json};
@@ -17,14 +19,17 @@ use ylm::Bands;
 use super::fault::BakedFault;
 use crate::error::{Error, Result};
 use crate::file::write_atomically;
-use crate::scene::LightingPoints;
-use crate::transfer::{BakeRecord, Baked, Transfer, TransferKind};
+use crate::scene::{Blockers, LightingPoints};
+use crate::transfer::{BakeRecord, Baked, Precision, Transfer, TransferKind};
 
 /// The version that this code writes, and the only one that it reads.
 pub const FORMAT_VERSION: u64 = 1;
 
 /// The one metadata entry: a JSON object, so that numbers stay numbers and the bytes do not depend on hash order.
 const METADATA_KEY: &str = "ylm";
+
+/// Stands in the metadata if there are blockers, and names them.
+const BLOCKERS_KEY: &str = "blockers";
 
 /// `convention` of every file: docs/conventions.md.
 const CONVENTION: &str = "real orthonormal, Condon-Shortley, z polar, index l(l+1)+m";
@@ -34,31 +39,34 @@ const CONVENTION: &str = "real orthonormal, Condon-Shortley, z polar, index l(l+
 /// Tensors stand in the order of docs/format.md, without gaps. Cost: one pass, no copy of the data.
 ///
 /// # Errors
-/// If the operating system refuses.
+/// If the operating system refuses, or half floats are asked for and a value is more than they hold.
 pub fn write_baked(path: &Path, baked: &Baked) -> Result<()> {
-    let point_count = baked.points.positions.len();
-    let tensors: [(&str, Dtype, [usize; 2], &[u8]); 5] = [
-        ("positions", Dtype::F32, [point_count, 3], bytemuck::cast_slice(&baked.points.positions)),
-        ("normals", Dtype::F32, [point_count, 3], bytemuck::cast_slice(&baked.points.normals)),
-        ("albedo", Dtype::F32, [point_count, 3], bytemuck::cast_slice(&baked.points.albedo)),
-        (
-            "triangles",
-            Dtype::U32,
-            [baked.points.triangles.len(), 3],
-            bytemuck::cast_slice(&baked.points.triangles),
-        ),
-        (
-            "transfer",
-            Dtype::F32,
-            [point_count, baked.transfer.bands.coeff_count()],
-            bytemuck::cast_slice(&baked.transfer.vectors),
-        ),
+    let (points, blockers, vectors) = (&baked.points, &baked.blockers, baked.transfer.vectors.as_slice());
+    let width = baked.transfer.bands.coeff_count();
+    let transfer = match baked.record.precision {
+        Precision::Single => Content::Bytes(bytemuck::cast_slice(vectors)),
+        Precision::Half => {
+            check_half(vectors, width)?;
+            Content::Halves(vectors)
+        }
+    };
+    let mut tensors: Vec<(&str, usize, Content)> = vec![
+        ("positions", 3, Content::Bytes(bytemuck::cast_slice(&points.positions))),
+        ("normals", 3, Content::Bytes(bytemuck::cast_slice(&points.normals))),
+        ("albedo", 3, Content::Bytes(bytemuck::cast_slice(&points.albedo))),
+        ("triangles", 3, Content::Indices(&points.triangles)),
     ];
+    if !blockers.is_empty() {
+        tensors.push(("blocker_positions", 3, Content::Bytes(bytemuck::cast_slice(&blockers.positions))));
+        tensors.push(("blocker_triangles", 3, Content::Indices(&blockers.triangles)));
+    }
+    tensors.push(("transfer", width, transfer));
     let mut end = 0;
-    let infos = tensors.iter().map(|(name, dtype, shape, bytes)| {
-        let start = end;
-        end += bytes.len();
-        ((*name).to_owned(), TensorInfo { dtype: *dtype, shape: shape.to_vec(), data_offsets: (start, end) })
+    let infos = tensors.iter().map(|(name, width, content)| {
+        let (start, dtype, byte_count) = (end, content.dtype(), content.byte_count());
+        end += byte_count;
+        let shape = vec![byte_count * 8 / dtype.bitsize() / width, *width];
+        ((*name).to_owned(), TensorInfo { dtype, shape, data_offsets: (start, end) })
     });
     let entries = HashMap::from([(METADATA_KEY.to_owned(), metadata(baked).to_string())]);
     let header = Metadata::new(Some(entries), infos.collect()).expect("the tensors follow each other");
@@ -67,8 +75,64 @@ pub fn write_baked(path: &Path, baked: &Baked) -> Result<()> {
     write_atomically(path, |out| {
         out.write_all(&(header.len() as u64).to_le_bytes())?;
         out.write_all(&header)?;
-        tensors.iter().try_for_each(|(.., bytes)| out.write_all(bytes))
+        tensors.iter().try_for_each(|(.., content)| content.write(out))
     })
+}
+
+/// What stands in a tensor.
+enum Content<'a> {
+    /// f32, as they are.
+    Bytes(&'a [u8]),
+    /// u32.
+    Indices(&'a [[u32; 3]]),
+    /// f32 that are rounded to f16 on their way.
+    Halves(&'a [f32]),
+}
+
+impl Content<'_> {
+    fn dtype(&self) -> Dtype {
+        match self {
+            Self::Bytes(_) => Dtype::F32,
+            Self::Indices(_) => Dtype::U32,
+            Self::Halves(_) => Dtype::F16,
+        }
+    }
+
+    fn byte_count(&self) -> usize {
+        match self {
+            Self::Bytes(bytes) => bytes.len(),
+            Self::Indices(indices) => size_of_val(*indices),
+            Self::Halves(values) => values.len() * size_of::<f16>(),
+        }
+    }
+
+    fn write(&self, out: &mut dyn io::Write) -> io::Result<()> {
+        match self {
+            Self::Bytes(bytes) => out.write_all(bytes),
+            Self::Indices(indices) => out.write_all(bytemuck::cast_slice(indices)),
+            Self::Halves(values) => {
+                let mut halves = [f16::ZERO; 4096];
+                values.chunks(halves.len()).try_for_each(|values| {
+                    let halves = &mut halves[..values.len()];
+                    halves.convert_from_f32_slice(values);
+                    out.write_all(bytemuck::cast_slice(halves.reinterpret_cast()))
+                })
+            }
+        }
+    }
+}
+
+/// Checks that no value becomes infinite as a half float.
+fn check_half(values: &[f32], width: usize) -> Result<()> {
+    match values.iter().position(|&value| !f16::from_f32(value).is_finite()) {
+        Some(index) => Err(Error::Request(format!(
+            "coefficient {} of point {} is {}, more than half floats hold (65504); bake without --half",
+            index % width,
+            index / width,
+            values[index]
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// Reads a baked scene and checks every sentence of docs/format.md.
@@ -94,7 +158,7 @@ fn parse_baked(bytes: &[u8]) -> std::result::Result<Baked, BakedFault> {
     let entry = header.metadata().as_ref().and_then(|entries| entries.get(METADATA_KEY));
     let entry: Map<String, Value> =
         serde_json::from_str(entry.ok_or(BakedFault::NotYlm)?).map_err(BakedFault::MetadataJson)?;
-    let (bands, record) = parse_metadata(&entry)?;
+    let (bands, mut record) = parse_metadata(&entry)?;
 
     let positions: Vec<Vec3> = finite_rows(&tensors, "positions", None)?;
     let point_count = positions.len();
@@ -107,21 +171,45 @@ fn parse_baked(bytes: &[u8]) -> std::result::Result<Baked, BakedFault> {
     if let Some(row) = albedo.iter().position(|rgb| rgb.iter().any(|value| !(0.0..=1.0).contains(value))) {
         return Err(BakedFault::AlbedoRange { row });
     }
-    let triangles: Vec<[u32; 3]> = rows(&tensors, "triangles", Dtype::U32, None, 3)?;
+    let triangles = triangles(&tensors, "triangles", point_count)?;
+    let blockers = if !entry.contains_key(BLOCKERS_KEY) {
+        Blockers::default()
+    } else {
+        let positions: Vec<Vec3> = finite_rows(&tensors, "blocker_positions", None)?;
+        let triangles = self::triangles(&tensors, "blocker_triangles", positions.len())?;
+        Blockers { positions, triangles }
+    };
+    let width = bands.coeff_count();
+    let vectors = if tensors.tensor("transfer").is_ok_and(|tensor| tensor.dtype() == Dtype::F16) {
+        record.precision = Precision::Half;
+        let halves: Vec<u16> = rows(&tensors, "transfer", Dtype::F16, Some(point_count), width)?;
+        halves.reinterpret_cast::<f16>().to_f32_vec()
+    } else {
+        rows(&tensors, "transfer", Dtype::F32, Some(point_count), width)?
+    };
+    check_finite("transfer", &vectors, width)?;
+    let points = LightingPoints { positions, normals, albedo, triangles };
+    Ok(Baked { points, blockers, transfer: Transfer { bands, vectors }, record })
+}
+
+/// Triangles over `vertex_count` vertices.
+fn triangles(
+    tensors: &SafeTensors,
+    name: &'static str,
+    vertex_count: usize,
+) -> std::result::Result<Vec<[u32; 3]>, BakedFault> {
+    let triangles: Vec<[u32; 3]> = rows(tensors, name, Dtype::U32, None, 3)?;
     for (triangle, corners) in triangles.iter().enumerate() {
-        if let Some(&point) = corners.iter().find(|&&point| point as usize >= point_count) {
-            return Err(BakedFault::PointOutOfRange { triangle, point, count: point_count });
+        if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= vertex_count) {
+            return Err(BakedFault::CornerOutOfRange { name, triangle, vertex, count: vertex_count });
         }
     }
-    let vectors: Vec<f32> = rows(&tensors, "transfer", Dtype::F32, Some(point_count), bands.coeff_count())?;
-    check_finite("transfer", &vectors, bands.coeff_count())?;
-    let points = LightingPoints { positions, normals, albedo, triangles };
-    Ok(Baked { points, transfer: Transfer { bands, vectors }, record })
+    Ok(triangles)
 }
 
 fn metadata(baked: &Baked) -> Value {
     let record = &baked.record;
-    json!({
+    let mut entry = json!({
         "format": "baked",
         "format_version": FORMAT_VERSION,
         "ylm_version": record.ylm_version,
@@ -133,7 +221,16 @@ fn metadata(baked: &Baked) -> Value {
         "bias": record.bias,
         "source": record.source,
         "source_sha256": record.source_sha256,
-    })
+    });
+    // What most bakes are without is not written, and their bytes stay as they were.
+    if record.t_max.is_finite() {
+        entry["tmax"] = json!(record.t_max);
+    }
+    if !baked.blockers.is_empty() {
+        entry[BLOCKERS_KEY] = json!(record.blockers);
+        entry["blockers_sha256"] = json!(record.blockers_sha256);
+    }
+    entry
 }
 
 fn parse_metadata(entry: &Map<String, Value>) -> std::result::Result<(Bands, BakeRecord), BakedFault> {
@@ -155,21 +252,37 @@ fn parse_metadata(entry: &Map<String, Value>) -> std::result::Result<(Bands, Bak
     let kind = TransferKind::from_name(text("transfer")?)
         .ok_or_else(|| wrong("transfer", "\"unshadowed\" or \"shadowed\""))?;
     let bias = entry.get("bias").and_then(Value::as_f64).map(|bias| bias as f32).filter(|bias| *bias >= 0.0);
-    let source = entry.get("source").and_then(Value::as_array).and_then(|names| {
-        names.iter().map(|name| name.as_str().map(str::to_owned)).collect::<Option<Vec<_>>>()
-    });
-    let source_sha256 = text("source_sha256")?.to_owned();
-    let is_hash = source_sha256.len() == 64 && source_sha256.bytes().all(|c| c.is_ascii_hexdigit());
-    if !(is_hash || source_sha256.is_empty()) {
-        return Err(wrong("source_sha256", "64 hexadecimal digits, or empty"));
-    }
+    let t_max = match entry.get("tmax") {
+        None => Some(f32::INFINITY),
+        Some(t_max) => t_max.as_f64().map(|t_max| t_max as f32).filter(|t| *t > 0.0 && t.is_finite()),
+    };
+    let names = |key| {
+        let names = entry.get(key).and_then(Value::as_array).and_then(|names| {
+            names.iter().map(|name| name.as_str().map(str::to_owned)).collect::<Option<Vec<_>>>()
+        });
+        names.ok_or_else(|| wrong(key, "a list of strings"))
+    };
+    let sha256 = |key| {
+        let hash = text(key)?;
+        let is_hash = hash.len() == 64 && hash.bytes().all(|c| c.is_ascii_hexdigit());
+        if is_hash || hash.is_empty() {
+            Ok(hash.to_owned())
+        } else {
+            Err(wrong(key, "64 hexadecimal digits, or empty"))
+        }
+    };
+    let has_blockers = entry.contains_key(BLOCKERS_KEY);
     let record = BakeRecord {
         kind,
         rays: u32::try_from(integer("rays")?).map_err(|_| wrong("rays", "below 2^32"))?,
         seed: integer("seed")?,
         bias: bias.ok_or_else(|| wrong("bias", "a number ≥ 0"))?,
-        source: source.ok_or_else(|| wrong("source", "a list of strings"))?,
-        source_sha256,
+        t_max: t_max.ok_or_else(|| wrong("tmax", "a number above 0"))?,
+        source: names("source")?,
+        source_sha256: sha256("source_sha256")?,
+        blockers: if has_blockers { names(BLOCKERS_KEY)? } else { Vec::new() },
+        blockers_sha256: if has_blockers { sha256("blockers_sha256")? } else { String::new() },
+        precision: Precision::Single,
         ylm_version: text("ylm_version")?.to_owned(),
     };
     Ok((bands, record))

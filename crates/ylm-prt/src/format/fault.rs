@@ -77,14 +77,16 @@ pub enum BakedFault {
         /// Which lighting point.
         row: usize,
     },
-    /// A triangle names a point that is not there.
-    #[error("triangle {triangle} names point {point}, and there are {count}")]
-    PointOutOfRange {
+    /// A triangle names a vertex that is not there.
+    #[error("tensor «{name}»: triangle {triangle} names vertex {vertex}, and there are {count}")]
+    CornerOutOfRange {
+        /// Which tensor.
+        name: &'static str,
         /// Which triangle.
         triangle: usize,
-        /// The point it names.
-        point: u32,
-        /// How many points there are.
+        /// The vertex it names.
+        vertex: u32,
+        /// How many vertices there are.
         count: usize,
     },
 }

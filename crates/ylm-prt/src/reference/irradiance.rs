@@ -18,13 +18,15 @@ pub struct Settings {
     pub rays: u32,
     /// Draws the sample points.
     pub seed: u64,
-    /// How far along the normal rays start, in diagonals of the scene's bounding box.
+    /// How far along the normal rays start, in diagonals of the lit surface's bounding box.
     pub bias: f32,
+    /// How far from their start rays end, in the world's units; infinity for no end.
+    pub t_max: f32,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { rays: 1024, seed: 0, bias: 1e-5 }
+        Self { rays: 1024, seed: 0, bias: 1e-5, t_max: f32::INFINITY }
     }
 }
 
@@ -181,7 +183,8 @@ impl Integrator<'_> {
             let directions = Directions::new(directions);
             blocked.resize(directions.word_count(), 0);
             let (position, normal) = (self.points.positions[index], self.points.normals[index]);
-            let vantage = Vantage { position, normal, bias: self.settings.bias };
+            let Settings { bias, t_max, .. } = *self.settings;
+            let vantage = Vantage { position, normal, bias, t_max };
             bvh.blocked(&vantage, &Mat3::IDENTITY, &directions, blocked);
         } else {
             blocked.clear();
@@ -326,7 +329,14 @@ mod tests {
         for cos_angle in [0.999_f32, 0.9, 0.5, 0.0] {
             let disc = DiscSampler { axis: Vec3::new(1.0, 2.0, -2.0) / 3.0, cos_angle };
             let runs: Vec<Irradiance> = (0..32)
-                .map(|seed| gather(&points, Occlusion::None, &disc, &Settings { rays: 64, seed, bias: 0.0 }))
+                .map(|seed| {
+                    gather(
+                        &points,
+                        Occlusion::None,
+                        &disc,
+                        &Settings { rays: 64, seed, bias: 0.0, ..Settings::default() },
+                    )
+                })
                 .collect();
             for (index, normal) in points.normals.iter().enumerate() {
                 let exact = disc_irradiance(normal.dot(disc.axis) as f64, cos_angle as f64);
@@ -379,7 +389,7 @@ mod tests {
         };
         let estimates: Vec<f64> = (0..32)
             .map(|seed| {
-                let settings = Settings { rays: 1024, seed, bias: 0.0 };
+                let settings = Settings { rays: 1024, seed, bias: 0.0, ..Settings::default() };
                 let white = |_| Vec3::ONE;
                 let found =
                     irradiance_of(&points, &[0], Occlusion::By(&wall), &white, None, &settings, &|_| true);
@@ -394,7 +404,12 @@ mod tests {
     fn the_noise_it_states_is_the_noise_it_has() {
         let points = normals(2000);
         let disc = DiscSampler { axis: Vec3::Y, cos_angle: 0.8 };
-        let found = gather(&points, Occlusion::None, &disc, &Settings { rays: 32, seed: 9, bias: 0.0 });
+        let found = gather(
+            &points,
+            Occlusion::None,
+            &disc,
+            &Settings { rays: 32, seed: 9, bias: 0.0, ..Settings::default() },
+        );
         let (mut squares, mut signal) = (0.0, 0.0);
         for (normal, value) in points.normals.iter().zip(&found.values) {
             let exact = disc_irradiance(normal.y as f64, 0.8);
@@ -410,7 +425,7 @@ mod tests {
     fn importance_sampling_quiets_a_small_light_a_hundredfold() {
         let points = normals(100);
         let disc = DiscSampler { axis: Vec3::Y, cos_angle: 0.999 };
-        let settings = Settings { rays: 64, seed: 2, bias: 0.0 };
+        let settings = Settings { rays: 64, seed: 2, bias: 0.0, ..Settings::default() };
         let with = gather(&points, Occlusion::None, &disc, &settings).relative_noise();
         let radiance = |direction| disc.radiance(direction);
         let without =
@@ -422,7 +437,7 @@ mod tests {
     fn a_subset_and_any_number_of_threads_give_the_same_bytes() {
         let points = normals(300);
         let disc = DiscSampler { axis: Vec3::Y, cos_angle: 0.8 };
-        let settings = Settings { rays: 16, seed: 4, bias: 0.0 };
+        let settings = Settings { rays: 16, seed: 4, bias: 0.0, ..Settings::default() };
         let radiance = |direction| disc.radiance(direction);
         let run = |threads: usize, at: &[u32]| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

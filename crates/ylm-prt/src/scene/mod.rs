@@ -1,5 +1,6 @@
 //! What is lit: meshes and their readers, lighting points, rays.
 
+pub mod blockers;
 pub mod bvh;
 pub mod camera;
 pub mod demo;
@@ -15,6 +16,7 @@ mod text;
 pub mod topology;
 mod triangulate;
 
+pub use blockers::Blockers;
 pub use bvh::{Bvh, Directions, Hit, Ray, Vantage};
 pub use camera::{Camera, View};
 pub use mesh::{Mesh, Normals};

@@ -1,13 +1,15 @@
 //! What a bake leaves behind: points, transfer, and how they came about.
 
 use super::{BakeSettings, Transfer, TransferKind};
-use crate::scene::LightingPoints;
+use crate::scene::{Blockers, LightingPoints};
 
 /// A baked scene: everything that relighting needs, and nothing of the light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Baked {
     /// Where transfer was baked, with the triangles between the points.
     pub points: LightingPoints,
+    /// What blocked besides the points' own triangles.
+    pub blockers: Blockers,
     /// One transfer vector a point.
     pub transfer: Transfer,
     /// How it was made.
@@ -23,22 +25,42 @@ pub struct BakeRecord {
     pub rays: u32,
     /// Seed of the sample sets.
     pub seed: u64,
-    /// How far rays start from their point, in diagonals of the scene's bounding box.
+    /// How far rays start from their point, in diagonals of the lit surface's bounding box.
     pub bias: f32,
+    /// How far from their start rays ended, in the world's units; infinity for no end, and for unshadowed transfer.
+    pub t_max: f32,
     /// The models' file names, without folders.
     pub source: Vec<String>,
     /// SHA-256 of the models' bytes one after the other, in hexadecimal; empty for a scene made in code.
     pub source_sha256: String,
+    /// The blockers' file names, without folders.
+    pub blockers: Vec<String>,
+    /// As `source_sha256`, of the blockers.
+    pub blockers_sha256: String,
+    /// How the transfer is stored.
+    pub precision: Precision,
     /// The version of ylm that made it.
     pub ylm_version: String,
 }
 
+/// How a coefficient of transfer is stored in a file. In memory it is always an f32.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// As it was baked.
+    #[default]
+    Single,
+    /// Rounded to 16 bits: 11 significant ones from 6.1e-5 to 65504 and steps of 6.0e-8 below.
+    ///
+    /// Error: measured in docs/results/bake.md, "Half floats".
+    Half,
+}
+
 impl BakeRecord {
-    /// The record of a bake with these settings by this version of ylm.
+    /// The record of a bake with these settings by this version of ylm: without blockers, in single precision.
     pub fn new(settings: &BakeSettings, source: Vec<String>, source_sha256: String) -> Self {
-        let rays = match settings.kind {
-            TransferKind::Unshadowed => 0,
-            TransferKind::Shadowed => settings.rays,
+        let (rays, t_max) = match settings.kind {
+            TransferKind::Unshadowed => (0, f32::INFINITY),
+            TransferKind::Shadowed => (settings.rays, settings.t_max),
         };
         let ylm_version = env!("CARGO_PKG_VERSION").to_owned();
         Self {
@@ -46,8 +68,12 @@ impl BakeRecord {
             rays,
             seed: settings.seed,
             bias: settings.bias,
+            t_max,
             source,
             source_sha256,
+            blockers: Vec::new(),
+            blockers_sha256: String::new(),
+            precision: Precision::Single,
             ylm_version,
         }
     }

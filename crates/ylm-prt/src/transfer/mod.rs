@@ -11,7 +11,7 @@ mod shadowed;
 mod sum;
 mod unshadowed;
 
-pub use baked::{BakeRecord, Baked};
+pub use baked::{BakeRecord, Baked, Precision};
 pub use settings::{BakeSettings, TransferKind};
 pub use shadowed::visible_shares;
 
@@ -84,7 +84,8 @@ impl Progress for () {
 /// sample sets of at most 1/8 of it or 64 KiB, whichever is more, or one set.
 ///
 /// # Errors
-/// If memory does not suffice for the result, shadowed transfer is asked for with no rays or a bias that is no length, or `progress` cancels.
+/// If memory does not suffice for the result, shadowed transfer is asked for with no rays, or with a bias or a `t_max` that is no length, or
+/// `progress` cancels.
 pub fn bake(
     points: &LightingPoints,
     bvh: &Bvh,

@@ -40,11 +40,13 @@ pub struct BakeSettings {
     pub rays: u32,
     /// Draws the sample sets and who gets which.
     pub seed: u64,
-    /// How far along the normal rays start, in diagonals of the scene's bounding box.
+    /// How far along the normal rays start, in diagonals of the lit surface's bounding box.
     ///
     /// [`BakeSettings::BIAS`] is a hundred roundings of the coordinates of a scene around the origin, and less than a
     /// tenth of an edge of meshes of up to ten million triangles. More is needed where surfaces lie on one another.
     pub bias: f32,
+    /// How far from their start rays end, in the world's units: what is farther does not block. Infinity for no end.
+    pub t_max: f32,
 }
 
 impl BakeSettings {

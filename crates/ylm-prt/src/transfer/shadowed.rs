@@ -91,7 +91,7 @@ impl<'a> Baker<'a> {
         settings: &'a BakeSettings,
         progress: &'a dyn Progress,
     ) -> Result<Self> {
-        let BakeSettings { bands, rays, seed, bias, .. } = *settings;
+        let BakeSettings { bands, rays, seed, bias, t_max, .. } = *settings;
         if rays == 0 {
             return Err(Error::Request(
                 "0 rays a point asked for; shadowed transfer needs at least 1".to_owned(),
@@ -100,6 +100,11 @@ impl<'a> Baker<'a> {
         if !(0.0..1.0).contains(&bias) {
             return Err(Error::Request(format!(
                 "bias {bias} asked for; it is a part of the scene's diagonal, from 0 to below 1"
+            )));
+        }
+        if t_max.is_nan() || t_max <= 0.0 {
+            return Err(Error::Request(format!(
+                "rays that end at {t_max} asked for; their length is above 0, in the units of the models"
             )));
         }
         let result_bytes = points.positions.len() * bands.coeff_count() * size_of::<f32>();
@@ -138,7 +143,8 @@ impl<'a> Baker<'a> {
         let (set, spin) = self.sets.choose(self.settings.seed, u64::from(point));
         let (sin, cos) = spin.sin_cos();
         let spin = [cos as f32, sin as f32];
-        let vantage = Vantage { position, normal, bias: self.settings.bias };
+        let BakeSettings { bias, t_max, .. } = *self.settings;
+        let vantage = Vantage { position, normal, bias, t_max };
         blocked.resize(set.directions.word_count(), 0);
         self.bvh.blocked(&vantage, &world_from_local(normal, spin), &set.directions, blocked);
         Ok((set, spin))

@@ -17,11 +17,20 @@ fn triangle() -> Baked {
         rays: 1024,
         seed: 7,
         bias: 0.5,
+        t_max: f32::INFINITY,
         source: vec!["triangle.ply".to_owned()],
         source_sha256: "0123456789abcdef".repeat(4),
+        blockers: Vec::new(),
+        blockers_sha256: String::new(),
+        precision: Precision::Single,
         ylm_version: "0.1.0".to_owned(),
     };
-    Baked { points, transfer: Transfer { bands: Bands::new(2).unwrap(), vectors }, record }
+    Baked {
+        points,
+        blockers: Blockers::default(),
+        transfer: Transfer { bands: Bands::new(2).unwrap(), vectors },
+        record,
+    }
 }
 
 const HEADER: &str = concat!(
@@ -65,6 +74,74 @@ fn reading_gives_back_what_was_written() {
     assert_eq!(parse_baked(&written(&triangle())).unwrap(), triangle());
 }
 
+/// The same with a blocker of one triangle, rays that end, and transfer as half floats.
+fn with_blocker_and_halves() -> Baked {
+    let mut baked = triangle();
+    baked.blockers =
+        Blockers { positions: vec![Vec3::Z, Vec3::ONE, Vec3::NEG_Y], triangles: vec![[2, 0, 1]] };
+    baked.record.blockers = vec!["roof.obj".to_owned()];
+    baked.record.blockers_sha256 = "fedcba9876543210".repeat(4);
+    baked.record.t_max = 2.5;
+    baked.record.precision = Precision::Half;
+    baked
+}
+
+#[test]
+fn blockers_and_half_floats_have_these_bytes() {
+    let bytes = written(&with_blocker_and_halves());
+    let header_length = u64::from_le_bytes(bytes[..8].try_into().unwrap()) as usize;
+    let header = std::str::from_utf8(&bytes[8..8 + header_length]).unwrap();
+    for part in [
+        r#"\"blockers\":[\"roof.obj\"],\"blockers_sha256\":\"fedcba98"#,
+        r#"\"tmax\":2.5"#,
+        r#""blocker_positions":{"dtype":"F32","shape":[3,3],"data_offsets":[120,156]}"#,
+        r#""blocker_triangles":{"dtype":"U32","shape":[1,3],"data_offsets":[156,168]}"#,
+        r#""transfer":{"dtype":"F16","shape":[3,4],"data_offsets":[168,192]}"#,
+    ] {
+        assert!(header.contains(part), "{part} in {header}");
+    }
+    let tail = &bytes[8 + header_length + 120..];
+    let mut expected = f32_bytes(&[0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0, -1.0, 0.0]);
+    expected.extend([2u32, 0, 1].iter().flat_map(|value| value.to_le_bytes()));
+    // −2 … 3.5 in steps of a half, IEEE 754 binary16.
+    let halves =
+        [0xc000u16, 0xbe00, 0xbc00, 0xb800, 0x0000, 0x3800, 0x3c00, 0x3e00, 0x4000, 0x4100, 0x4200, 0x4300];
+    expected.extend(halves.iter().flat_map(|half| half.to_le_bytes()));
+    assert_eq!(tail, expected);
+}
+
+#[test]
+fn blockers_and_half_floats_are_read_back() {
+    // The transfer of this scene fits into half floats.
+    let baked = with_blocker_and_halves();
+    assert_eq!(parse_baked(&written(&baked)).unwrap(), baked);
+}
+
+#[test]
+fn half_floats_round_to_nearest_underflow_gradually_and_never_overflow() {
+    let mut baked = triangle();
+    baked.record.precision = Precision::Half;
+    let values =
+        [1.0 / 3.0, -0.7, 65504.0, 6.2e-5, 5e-6, 1e-7, 2e-8, -3.33, 0.0, 1.0 + 1.0 / 2048.0, 1e-3, 28.4];
+    baked.transfer.vectors.copy_from_slice(&values);
+    let read = parse_baked(&written(&baked)).unwrap();
+    for (value, stored) in values.iter().zip(&read.transfer.vectors) {
+        // Half of a unit in the last of 11 bits, or of the smallest step.
+        let tolerance = (value.abs() / 2048.0).max(0.5 * 2f32.powi(-24));
+        assert!((value - stored).abs() <= tolerance, "{value} → {stored}");
+    }
+    assert_eq!(parse_baked(&written(&read)).unwrap(), read, "what was rounded once stays");
+
+    for value in [65520.0, -1e30] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("baked.safetensors");
+        baked.transfer.vectors[6] = value;
+        let refused = write_baked(&path, &baked).unwrap_err().to_string();
+        assert!(refused.contains("coefficient 2 of point 1 is"), "{refused}");
+        assert!(!path.exists());
+    }
+}
+
 #[test]
 fn every_truncation_is_refused() {
     let bytes = written(&triangle());
@@ -75,9 +152,18 @@ fn every_truncation_is_refused() {
 
 /// The file with its metadata text changed, and its tensors replaced.
 fn changed(from: &str, to: &str, replaced: &[(&str, Dtype, &[usize], Vec<u8>)]) -> Vec<u8> {
-    let bytes = written(&triangle());
+    changed_from(&triangle(), from, to, replaced)
+}
+
+fn changed_from(
+    baked: &Baked,
+    from: &str,
+    to: &str,
+    replaced: &[(&str, Dtype, &[usize], Vec<u8>)],
+) -> Vec<u8> {
+    let bytes = written(baked);
     let tensors = SafeTensors::deserialize(&bytes).unwrap();
-    let about = metadata(&triangle()).to_string();
+    let about = metadata(baked).to_string();
     assert!(about.contains(from), "{about} has no {from}");
     let entries = HashMap::from([(METADATA_KEY.to_owned(), about.replace(from, to))]);
     let mut views: Vec<(String, TensorView)> =
@@ -135,6 +221,35 @@ fn each_lie_in_the_metadata_is_named() {
 }
 
 #[test]
+fn each_lie_about_blockers_is_named() {
+    let outside: Vec<u8> = [0u32, 1, 3].iter().flat_map(|index| index.to_le_bytes()).collect();
+    let none = || ("mine", Dtype::U8, &[0usize][..], vec![]);
+    let cases = [
+        (r#""tmax":2.5"#, r#""tmax":0"#, none(), "metadata «tmax» must be a number above 0"),
+        (r#""tmax":2.5"#, r#""tmax":1e39"#, none(), "metadata «tmax» must be a number above 0"),
+        (r#"["roof.obj"]"#, r#""roof.obj""#, none(), "metadata «blockers» must be a list of strings"),
+        ("fedcba98", "", none(), "metadata «blockers_sha256» must be 64 hexadecimal digits"),
+        ("", "", ("blocker_positions", Dtype::F32, &[], vec![]), "tensor «blocker_positions» is missing"),
+        (
+            "",
+            "",
+            ("blocker_triangles", Dtype::U32, &[1, 3], outside),
+            "tensor «blocker_triangles»: triangle 0 names vertex 3, and there are 3",
+        ),
+        (
+            "",
+            "",
+            ("transfer", Dtype::F16, &[3, 4], [0u8, 0x7c].repeat(12)),
+            "tensor «transfer» holds a value that is not finite, first in row 0",
+        ),
+    ];
+    for (from, to, replaced, expected) in cases {
+        let fault = fault_of(&changed_from(&with_blocker_and_halves(), from, to, &[replaced]));
+        assert!(fault.contains(expected), "{from} → {to}: {fault}");
+    }
+}
+
+#[test]
 fn each_lie_in_the_tensors_is_named() {
     let nan = f32_bytes(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, f32::NAN, 0.0]);
     let long = f32_bytes(&[2.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
@@ -153,7 +268,10 @@ fn each_lie_in_the_tensors_is_named() {
         ),
         (("normals", Dtype::F32, &[3, 3], long), "normal 0 has length 2, must be 1"),
         (("albedo", Dtype::F32, &[3, 3], bright), "albedo of point 1 is outside 0 … 1"),
-        (("triangles", Dtype::U32, &[1, 3], outside), "triangle 0 names point 3, and there are 3"),
+        (
+            ("triangles", Dtype::U32, &[1, 3], outside),
+            "tensor «triangles»: triangle 0 names vertex 3, and there are 3",
+        ),
         (
             ("triangles", Dtype::U32, &[3, 1], vec![0; 12]),
             "tensor «triangles» has shape [3, 1], must be [3, 3]",

@@ -40,12 +40,16 @@ pub fn build(positions: &[Vec3], triangles: &[[u32; 3]]) -> Bvh {
     let Collapse { mut nodes, mut blocks, .. } = collapse;
     nodes.shrink_to_fit();
     blocks.shrink_to_fit();
+    Bvh { nodes, blocks, scale, diagonal: diagonal(positions, scale), isa: Isa::best() }
+}
+
+/// The diagonal of the positions' bounding box, times `scale`.
+pub fn diagonal(positions: &[Vec3], scale: f32) -> f32 {
     let (low, high) = positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &p| {
         let p = p * scale;
         (low.min(p), high.max(p))
     });
-    let diagonal = if positions.is_empty() { 0.0 } else { (high - low).length() };
-    Bvh { nodes, blocks, scale, diagonal, isa: Isa::best() }
+    if positions.is_empty() { 0.0 } else { (high - low).length() }
 }
 
 /// The mesh in the coordinates of the nodes.

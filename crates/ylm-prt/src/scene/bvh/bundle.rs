@@ -97,6 +97,9 @@ struct Start {
     /// Largest coordinate of origin and scene.
     reach: f32,
     t_min: f32,
+    t_max: f32,
+    /// Boxes end later, by what a hit's distance may be off.
+    box_end: f32,
 }
 
 impl Start {
@@ -107,7 +110,9 @@ impl Start {
         let reach = origin.abs().max_element().max(1.0);
         let reach = if origin.is_finite() { reach } else { f32::INFINITY };
         let (origin, vertex) = (origin.to_array(), vertex.to_array());
-        Self { origin, vertex, normal: vantage.normal, reach, t_min: f32::MIN_POSITIVE }
+        let t_max = vantage.t_max * bvh.scale;
+        let box_end = t_max + PAD * (reach + t_max);
+        Self { origin, vertex, normal: vantage.normal, reach, t_min: f32::MIN_POSITIVE, t_max, box_end }
     }
 }
 
@@ -237,7 +242,7 @@ fn meet<V: Lanes>(node: &Node, start: &Start, rays: &Rays, mut active: u64) -> [
     let high_x = V::load(&node.bounds[3]).sub(V::splat(x - pad));
     let high_y = V::load(&node.bounds[4]).sub(V::splat(y - pad));
     let high_z = V::load(&node.bounds[5]).sub(V::splat(z - pad));
-    let zero = V::splat(0.0);
+    let (zero, box_end) = (V::splat(0.0), V::splat(start.box_end));
     let mut met = [0u8; SIZE];
     while active != 0 {
         let r = active.trailing_zeros() as usize % SIZE;
@@ -249,7 +254,7 @@ fn meet<V: Lanes>(node: &Node, start: &Start, rays: &Rays, mut active: u64) -> [
         let inverse = V::splat(rays.inverse[2][r]);
         let (z0, z1) = (low_z.mul(inverse), high_z.mul(inverse));
         let begin = x0.min(x1).max(y0.min(y1)).max(z0.min(z1).max(zero));
-        let end = x0.max(x1).min(y0.max(y1)).min(z0.max(z1));
+        let end = x0.max(x1).min(y0.max(y1)).min(z0.max(z1).min(box_end));
         met[r] = begin.le(end) as u8;
     }
     V::transpose(&met)
@@ -263,7 +268,7 @@ fn hit<V: Lanes>(block: &TriangleBlock, start: &Start, rays: &Rays, mut active: 
     for row in 0..9 {
         relative[row] = V::load(&block.corners[row]).sub(V::splat(start.origin[row % 3]));
     }
-    let (t_min, t_max) = (V::splat(start.t_min), V::splat(f32::INFINITY));
+    let (t_min, t_max) = (V::splat(start.t_min), V::splat(start.t_max));
     let mut hit = 0;
     while active != 0 {
         let r = active.trailing_zeros() as usize % SIZE;

@@ -19,6 +19,7 @@ pub use self::bundle::Directions;
 use self::lanes::Isa;
 use self::node::{Node, TriangleBlock};
 use self::traverse::LocalRay;
+use crate::scene::{Blockers, LightingPoints};
 
 /// A half-line.
 #[derive(Clone, Copy, Debug)]
@@ -47,8 +48,10 @@ pub struct Vantage {
     pub position: Vec3,
     /// Unit normal.
     pub normal: Vec3,
-    /// How far along the normal rays start, in diagonals of the scene's bounding box.
+    /// How far along the normal rays start, in diagonals of the lit surface's bounding box.
     pub bias: f32,
+    /// How far from their start rays end, in the world's units; infinity for rays without end.
+    pub t_max: f32,
 }
 
 /// Where a ray meets a triangle.
@@ -73,7 +76,7 @@ pub struct Bvh {
     blocks: Vec<TriangleBlock>,
     /// Power of two that takes world coordinates to those of the nodes.
     scale: f32,
-    /// Of the bounding box, in the coordinates of the nodes.
+    /// Of the lit surface's bounding box, in the coordinates of the nodes.
     diagonal: f32,
     isa: Isa,
 }
@@ -85,6 +88,22 @@ impl Bvh {
     /// [`crate::scene::Mesh`] promises.
     pub fn build(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
         build::build(positions, triangles)
+    }
+
+    /// Builds the hierarchy of what is lit and what only blocks.
+    ///
+    /// Triangles of the points come first, in their order: a hit on a triangle beyond them is on a blocker. Biases are
+    /// in diagonals of the points' bounding box, whatever blocks them.
+    pub fn of_scene(points: &LightingPoints, blockers: &Blockers) -> Self {
+        if blockers.is_empty() {
+            return Self::build(&points.positions, &points.triangles);
+        }
+        let positions = [points.positions.as_slice(), &blockers.positions].concat();
+        let mut triangles = points.triangles.clone();
+        let offset = points.positions.len() as u32;
+        triangles.extend(blockers.triangles.iter().map(|corners| corners.map(|corner| corner + offset)));
+        let bvh = Self::build(&positions, &triangles);
+        Self { diagonal: build::diagonal(&points.positions, bvh.scale), ..bvh }
     }
 
     /// The nearest hit; of several at the same distance the triangle of smallest index.
@@ -109,7 +128,7 @@ impl Bvh {
     /// Which of many directions from a vertex are blocked: sets their bits in `blocked`, clears the others.
     ///
     /// A direction d of the set is `world_from_local` · d in the world, at unit length. The ray starts off the surface
-    /// by the bias and has no end. Triangles around the vertex, those with a corner exactly there, do not count, unless
+    /// by the bias and ends at `t_max` from there, if it ends. Triangles around the vertex, those with a corner exactly there, do not count, unless
     /// they rise above its tangent plane: the walls of a crease block, the surface itself does not.
     ///
     /// Shapes: `blocked` [`Directions::word_count`] words, bit i % 64 of word i / 64 for direction i; bits beyond are 0.

@@ -331,7 +331,12 @@ fn bundles_hit_what_single_rays_hit() {
             let directions: Vec<Vec3> = (0..count).map(|_| numbers.direction()).collect();
             let turn = Mat3::from_quat(Quat::from_xyzw(0.3, 0.1, -0.7, 0.4).normalize());
             for frame in [Mat3::IDENTITY, turn] {
-                let vantage = Vantage { position: 1.2 * numbers.point(), normal: Vec3::Y, bias: 0.0 };
+                let vantage = Vantage {
+                    position: 1.2 * numbers.point(),
+                    normal: Vec3::Y,
+                    bias: 0.0,
+                    t_max: f32::INFINITY,
+                };
                 let found: Vec<Vec<bool>> =
                     bvhs.iter().map(|bvh| blocked(bvh, &vantage, &frame, &directions)).collect();
                 assert!(found.iter().all(|f| *f == found[0]), "every instruction set finds the same");
@@ -354,7 +359,8 @@ fn bundles_hit_what_single_rays_hit() {
 #[test]
 fn bundles_do_not_leak_through_a_closed_mesh() {
     let (positions, triangles) = sphere(16);
-    let vantage = Vantage { position: vec3(0.2, -0.3, 0.1), normal: Vec3::X, bias: 0.0 };
+    let vantage =
+        Vantage { position: vec3(0.2, -0.3, 0.1), normal: Vec3::X, bias: 0.0, t_max: f32::INFINITY };
     let mut directions = Vec::new();
     for triangle in &triangles {
         let [a, b, c] = triangle.map(|i| positions[i as usize] - vantage.position);
@@ -362,6 +368,52 @@ fn bundles_do_not_leak_through_a_closed_mesh() {
     }
     for bvh in every_isa(&(positions, triangles)) {
         assert!(blocked(&bvh, &vantage, &Mat3::IDENTITY, &directions).into_iter().all(|blocked| blocked));
+    }
+}
+
+#[test]
+fn bundles_end_where_they_are_told_to() {
+    let mut numbers = Numbers(7);
+    let soup = scattered(600, 0.15, &mut numbers);
+    let bvhs = every_isa(&soup);
+    let directions: Vec<Vec3> = (0..300).map(|_| numbers.direction()).collect();
+    for t_max in [1e-3, 0.2, 0.5, 1.0, 3.0] {
+        let vantage = Vantage { position: 1.2 * numbers.point(), normal: Vec3::Y, bias: 0.0, t_max };
+        let found: Vec<Vec<bool>> =
+            bvhs.iter().map(|bvh| blocked(bvh, &vantage, &Mat3::IDENTITY, &directions)).collect();
+        assert!(found.iter().all(|f| *f == found[0]), "every instruction set finds the same");
+        for (&direction, &found) in directions.iter().zip(&found[0]) {
+            let ray = Ray { t_max, ..Ray::new(vantage.position, direction) };
+            let corners = |triangle: &[u32; 3]| triangle.map(|i| soup.0[i as usize]);
+            let verdicts: Vec<Verdict> =
+                soup.1.iter().map(|triangle| verdict(&ray, corners(triangle), 1e-4)).collect();
+            let is_hit = verdicts.iter().any(|v| matches!(v, Verdict::Hit(_)));
+            assert!(found == is_hit || verdicts.contains(&Verdict::Unclear), "{ray:?}");
+        }
+    }
+}
+
+#[test]
+fn a_closed_mesh_within_reach_does_not_leak_and_one_beyond_does_not_block() {
+    let (positions, triangles) = sphere(16);
+    // The nearest point of the polyhedron, in f64, and the farthest, a vertex. Through edges and vertices as well.
+    let centre = Vantage { position: Vec3::ZERO, normal: Vec3::X, bias: 0.0, t_max: 1.0 + 1e-6 };
+    let nearest = triangles.iter().map(|triangle| {
+        let [a, b, c] = triangle.map(|i| positions[i as usize].as_dvec3());
+        a.dot((b - a).cross(c - a).normalize()).abs()
+    });
+    let nearest = nearest.fold(f64::INFINITY, f64::min);
+    let mut directions = Vec::new();
+    for triangle in &triangles {
+        let [a, b, c] = triangle.map(|i| positions[i as usize]);
+        directions.extend([a, b, c, a + b, b + c, c + a, a + b + c].map(Vec3::normalize));
+    }
+    for bvh in every_isa(&(positions, triangles)) {
+        let all = blocked(&bvh, &centre, &Mat3::IDENTITY, &directions);
+        assert!(all.into_iter().all(|blocked| blocked));
+        let short = Vantage { t_max: nearest as f32 * (1.0 - 1e-6), ..centre };
+        let none = blocked(&bvh, &short, &Mat3::IDENTITY, &directions);
+        assert!(none.into_iter().all(|blocked| !blocked));
     }
 }
 
@@ -374,7 +426,7 @@ fn a_vertex_is_not_blocked_by_its_own_surface_but_by_walls_around_it() {
         let triangles: Vec<[u32; 3]> = (0..6).map(|i| [0, 1 + i, 1 + (i + 1) % 6]).collect();
         let low = (0..40).map(|i| (i as f32 * 0.9).sin_cos()).map(|(s, c)| vec3(s, 0.02, c).normalize());
         let directions: Vec<Vec3> = low.collect();
-        let vantage = Vantage { position: Vec3::ZERO, normal: Vec3::Y, bias: 1e-5 };
+        let vantage = Vantage { position: Vec3::ZERO, normal: Vec3::Y, bias: 1e-5, t_max: f32::INFINITY };
         for bvh in every_isa(&(positions, triangles)) {
             let up = blocked(&bvh, &vantage, &Mat3::IDENTITY, &[Vec3::Y, vec3(0.1, 0.99, -0.1).normalize()]);
             assert!(up.iter().all(|&blocked| blocked != sees_up), "rise {rise}");
