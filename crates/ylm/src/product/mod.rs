@@ -10,9 +10,11 @@
 //! | [`gaunt`] | SH, sparse tensor | O(n⁵) | what the others are compared with |
 //! | [`chain`] | any triple product, again and again | – | the usual approximation of many factors, with its error |
 //! | [`zonal`] | values on one meridian | O(n³), no Fourier sums | a zonal factor |
+//! | [`cap`] | values on rings of a cap | O(n³) | a factor that is 1 within an angle and 0 elsewhere, with all of its bands |
 //! | [`matrix`] | the factor as a matrix | O(n⁴) a row | the matrix itself |
 
 pub(crate) mod cache;
+pub mod cap;
 pub mod chain;
 pub mod fourier;
 pub mod gaunt;
