@@ -1,6 +1,7 @@
 //! The `ylm` command: parse, run a verb, report.
 
 mod bake;
+mod balls;
 mod compare;
 mod demo;
 mod info;

@@ -12,10 +12,12 @@ use ylm_prt::error;
 use ylm_prt::format::read_baked;
 use ylm_prt::image::Image;
 use ylm_prt::light::{Light, Source};
+use ylm_prt::reference::Occlusion;
 use ylm_prt::render::{Raster, ToneMap, develop, render};
-use ylm_prt::scene::Bvh;
+use ylm_prt::shade::{Far, Shadowed};
 use ylm_prt::transfer::Baked;
 
+use crate::balls::{BallOptions, BallShadow, Stage};
 use crate::interrupt;
 use crate::light::mean_radiance;
 use crate::options::{self, CameraPlace, Exposure, LightOptions};
@@ -42,6 +44,8 @@ pub struct Arguments {
     /// Use the light's first N bands only; with --shading reference, light by what they hold
     #[arg(long, value_parser = options::bands, value_name = "N")]
     light_bands: Option<Bands>,
+    #[command(flatten)]
+    balls: BallOptions,
     /// Rays a vertex of --shading reference
     #[arg(long, default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=1 << 24), value_name = "S")]
     rays: u32,
@@ -109,7 +113,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     let start = Instant::now();
     let baked = read_baked(&arguments.baked)?;
     let light = arguments.options.read(&arguments.light, output)?;
-    let bvh = Bvh::build(&baked.points.positions, &baked.points.triangles);
+    let stage = arguments.balls.stage(&baked)?;
     output.step(&format!(
         "{} points read in {:.2} s",
         baked.points.positions.len(),
@@ -117,7 +121,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     ));
 
     let shade_start = Instant::now();
-    let shaded = shade(arguments, &baked, &light, &bvh)?;
+    let shaded = shade(arguments, &baked, &light, &stage)?;
     let shade_seconds = shade_start.elapsed().as_secs_f64();
     if shaded.negative_count() > 0 {
         output.warn(&format!(
@@ -136,7 +140,9 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         Background::Light => light.radiance(direction),
         Background::Black => Vec3::ZERO,
     };
-    let image = render(&baked.points, &bvh, &shaded.radiance, &camera, &raster, &background)?;
+    let mut radiance = shaded.radiance.clone();
+    radiance.extend(stage.light_balls(&arguments.options.project(&light, baked.transfer.bands)?));
+    let image = render(&stage.points, &stage.bvh, &radiance, &camera, &raster, &background)?;
     let mean = mean_radiance(&light.project(Bands::new(1)?)?);
     write_picture(arguments, image, arguments.exposure.stops(mean))?;
     let render_seconds = render_start.elapsed().as_secs_f64();
@@ -151,26 +157,43 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     let value = json!({
         "output": path_value(&arguments.output), "size": [width, height], "light": arguments.light, "repaired": options::repaired_count(&light), "shading": shading,
         "bands": baked.transfer.bands.count(), "light_bands": arguments.light_bands.map(Bands::count),
-        "points": shaded.radiance.len(), "radiance": shaded.statistics(), "noise": shaded.noise,
+        "balls": arguments.balls.json(), "points": shaded.radiance.len(), "radiance": shaded.statistics(), "noise": shaded.noise,
         "shade_seconds": shade_seconds, "render_seconds": render_seconds, "seconds": start.elapsed().as_secs_f64(),
     });
     output.result(&text, &value);
     Ok(())
 }
 
-fn shade(arguments: &Arguments, baked: &Baked, light: &Light, bvh: &Bvh) -> error::Result<Shaded> {
+fn shade(arguments: &Arguments, baked: &Baked, light: &Light, stage: &Stage) -> error::Result<Shaded> {
     let coeffs = |bands| arguments.options.project(light, bands);
     match (arguments.shading, arguments.light_bands) {
         (Shading::Diffuse, bands) => {
             let bands = bands.map_or(baked.transfer.bands, |bands| bands.min(baked.transfer.bands));
-            Ok(shading::diffuse(baked, &coeffs(bands)?))
+            let light = coeffs(bands)?;
+            match arguments.balls.shadow() {
+                None => Ok(shading::diffuse(baked, &light)),
+                Some(BallShadow::Object) => {
+                    Ok(shading::diffuse(baked, &arguments.balls.dimmed(&light, &baked.points)?))
+                }
+                Some(BallShadow::Vertex) => {
+                    shading::diffuse_under(baked, &Shadowed::new(&Far::new(&light), arguments.balls.balls()))
+                }
+            }
         }
         (Shading::Reference, Some(bands)) => {
             let light = Light::of(Source::Coeffs(Arc::new(coeffs(bands)?)));
-            shading::reference(baked, bvh, &light, arguments.rays)
+            reference(arguments, baked, stage, &light)
         }
-        (Shading::Reference, None) => shading::reference(baked, bvh, light, arguments.rays),
+        (Shading::Reference, None) => reference(arguments, baked, stage, light),
     }
+}
+
+fn reference(arguments: &Arguments, baked: &Baked, stage: &Stage, light: &Light) -> error::Result<Shaded> {
+    if arguments.balls.balls().is_empty() {
+        return shading::reference(baked, &stage.bvh, light, arguments.rays);
+    }
+    let blockers = arguments.balls.blockers(baked)?;
+    shading::reference_behind(baked, Occlusion::By(&blockers), light, arguments.rays)
 }
 
 fn write_picture(arguments: &Arguments, mut image: Image, exposure: f32) -> error::Result<()> {

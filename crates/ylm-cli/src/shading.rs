@@ -6,7 +6,7 @@ use ylm_prt::error::Result;
 use ylm_prt::light::{Light, LightCoeffs};
 use ylm_prt::reference::{Irradiance, Occlusion, Settings, irradiance};
 use ylm_prt::scene::{Bvh, LightingPoints};
-use ylm_prt::shade::shade_diffuse;
+use ylm_prt::shade::{Incident, shade_diffuse, shade_diffuse_under};
 use ylm_prt::transfer::{BakeRecord, Baked, TransferKind};
 
 use crate::interrupt;
@@ -24,6 +24,14 @@ pub fn diffuse(baked: &Baked, light: &LightCoeffs) -> Shaded {
     Shaded { radiance: shade_diffuse(baked, light), noise: None }
 }
 
+/// Lights by dot products, with the light that arrives at each point.
+///
+/// # Errors
+/// If the light has none for a point.
+pub fn diffuse_under(baked: &Baked, light: &dyn Incident) -> Result<Shaded> {
+    Ok(Shaded { radiance: shade_diffuse_under(baked, light)?, noise: None })
+}
+
 /// Lights by rays from the light itself, with the occlusion that the bake had.
 ///
 /// `drawn` is the hierarchy of the points' own triangles; where blockers stand beside them, one of both is built.
@@ -31,13 +39,21 @@ pub fn diffuse(baked: &Baked, light: &LightCoeffs) -> Shaded {
 /// # Errors
 /// If the light has no finite power, or the user interrupts.
 pub fn reference(baked: &Baked, drawn: &Bvh, light: &Light, rays: u32) -> Result<Shaded> {
-    let _guard = interrupt::Guard::new();
-    let points = &baked.points;
-    let with_blockers = (!baked.blockers.is_empty()).then(|| Bvh::of_scene(points, &baked.blockers));
+    let with_blockers = (!baked.blockers.is_empty()).then(|| Bvh::of_scene(&baked.points, &baked.blockers));
     let occlusion = match baked.record.kind {
         TransferKind::Unshadowed => Occlusion::None,
         TransferKind::Shadowed => Occlusion::By(with_blockers.as_ref().unwrap_or(drawn)),
     };
+    reference_behind(baked, occlusion, light, rays)
+}
+
+/// Lights by rays from the light itself, with anything in their way.
+///
+/// # Errors
+/// As [`reference`].
+pub fn reference_behind(baked: &Baked, occlusion: Occlusion, light: &Light, rays: u32) -> Result<Shaded> {
+    let _guard = interrupt::Guard::new();
+    let points = &baked.points;
     // The bake's samples have seeds of their own; a reference must not share its noise.
     let BakeRecord { seed, bias, t_max, .. } = baked.record;
     let settings = Settings { rays, seed: !seed, bias, t_max };

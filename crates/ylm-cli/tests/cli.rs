@@ -232,3 +232,30 @@ fn ctrl_c_ends_a_bake_and_leaves_nothing() {
     assert_eq!(String::from_utf8_lossy(&output.stderr), "ylm: interrupted; nothing was written\n");
     assert_eq!(place.files(), before);
 }
+
+#[test]
+fn a_ball_throws_its_shadow_without_a_new_bake() {
+    let place = Place::new();
+    place.json("bake cube.obj -o cube.safetensors --bands 6 --rays 256");
+    let light = "--light white+disc?dir=0,1,0&angle=30 -o cube.png --size 32x32";
+    let render = |more: &str| place.json(&format!("render cube.safetensors {light} {more}"));
+    let mean = |value: &Value| value["radiance"]["mean"][1].as_f64().unwrap();
+    let open = render("");
+    assert!(open["balls"].is_null());
+    let by_vertex = render("--ball 0,3,0,1.5");
+    assert_eq!(by_vertex["balls"]["balls"][0]["radius"].as_f64(), Some(1.5));
+    assert_eq!(by_vertex["balls"]["shadow"], "vertex");
+    let by_object = render("--ball 0,3,0,1.5 --ball-shadow object");
+    let reference = render("--ball 0,3,0,1.5 --shading reference");
+    let lost = |value: &Value| mean(&open) - mean(value);
+    assert!(lost(&reference) >= 0.04 * mean(&open), "{open} {reference}");
+    // Measured 0.9 % of what the ball takes away.
+    assert!((lost(&by_vertex) / lost(&reference) - 1.0).abs() <= 0.03, "{by_vertex} {reference}");
+    assert!(lost(&by_object) > 0.0 && lost(&by_object) != lost(&by_vertex));
+    // Two balls take more than one.
+    assert!(lost(&render("--ball 0,3,0,1.5 --ball 4,0,0,1")) > lost(&by_vertex));
+    for wrong in ["0,3,0", "0,3,0,0", "0,3,0,-1", "a,b,c,d"] {
+        let message = place.failure(&format!("render cube.safetensors {light} --ball {wrong}"), 2);
+        assert!(message.contains("X,Y,Z,RADIUS"), "{message}");
+    }
+}

@@ -1,5 +1,6 @@
 //! What is lit: meshes and their readers, lighting points, rays.
 
+mod ball;
 pub mod blockers;
 pub mod bvh;
 pub mod camera;
@@ -16,6 +17,7 @@ mod text;
 pub mod topology;
 mod triangulate;
 
+pub use ball::ball;
 pub use blockers::Blockers;
 pub use bvh::{Bvh, Directions, Hit, Ray, Vantage};
 pub use camera::{Camera, View};

@@ -4,6 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::light::LightCoeffs;
+use crate::shade::grey;
 use crate::transfer::Baked;
 
 /// Accumulators side by side, so that the sum over coefficients vectorises without reordering at run time.
@@ -18,12 +19,19 @@ const CHUNK: usize = 256;
 /// light's bands ring; it is not clamped here.
 ///
 /// Shapes: one RGB radiance a point. Units: of the light's radiance.
-/// Error: the sum of n² products in f32, ≤ n² · 6e-8 · Σ|T_i L_i|.
-/// Cost: 3n² multiply-adds a point, in parallel; the same bytes for any number of threads.
+/// Error: the sum of n² products in f32, ≤ n² · 6e-8 · Σ|T_i L_i|; of a light of one colour that of [`grey::split`] besides.
+/// Cost: 3n² multiply-adds a point, n² where the light has but one colour, which is seen by itself; in parallel, the same
+/// bytes for any number of threads. Bench `cheap-forms`.
 pub fn shade_diffuse(baked: &Baked, light: &LightCoeffs) -> Vec<Vec3> {
+    match grey::split(light) {
+        Some(grey) => shade_by(baked, [&grey.coeffs], grey.tint),
+        None => shade_by(baked, light.channels.each_ref().map(Vec::as_slice), Vec3::ONE),
+    }
+}
+
+/// Lights all points with one function a channel, or one for all of them times a tint.
+fn shade_by<const N: usize>(baked: &Baked, light: [&[f32]; N], tint: Vec3) -> Vec<Vec3> {
     let width = baked.transfer.bands.coeff_count();
-    let used = width.min(light.bands.coeff_count());
-    let light: [&[f32]; 3] = std::array::from_fn(|channel| &light.channels[channel][..used]);
     let mut radiance = vec![Vec3::ZERO; baked.points.positions.len()];
     radiance
         .par_chunks_mut(CHUNK)
@@ -33,16 +41,29 @@ pub fn shade_diffuse(baked: &Baked, light: &LightCoeffs) -> Vec<Vec3> {
             for ((radiance, vector), albedo) in
                 radiance.iter_mut().zip(vectors.chunks_exact(width)).zip(albedo)
             {
-                let irradiance = dot_channels(&vector[..used], light);
-                *radiance = irradiance * Vec3::from(*albedo) * std::f32::consts::FRAC_1_PI;
+                *radiance = reflected(irradiance(vector, light) * tint, *albedo);
             }
         });
     radiance
 }
 
-/// Three dot products with the same vector.
-fn dot_channels(vector: &[f32], light: [&[f32]; 3]) -> Vec3 {
-    let mut sums = [[0.0f32; LANES]; 3];
+/// What a diffuse surface makes of irradiance: ρ/π E.
+pub(super) fn reflected(irradiance: Vec3, albedo: [f32; 3]) -> Vec3 {
+    irradiance * Vec3::from(albedo) * std::f32::consts::FRAC_1_PI
+}
+
+/// T · L of a point, of a light in three channels or in one; more coefficients on one side meet nothing.
+pub(super) fn irradiance<const N: usize>(vector: &[f32], light: [&[f32]; N]) -> Vec3 {
+    let used = light.iter().fold(vector.len(), |used, channel| used.min(channel.len()));
+    let mut slices = light;
+    slices.iter_mut().for_each(|channel| *channel = &channel[..used]);
+    let sums = dot_channels(&vector[..used], slices);
+    Vec3::from_array(std::array::from_fn(|channel| sums[channel % N]))
+}
+
+/// Dot products with the same vector.
+fn dot_channels<const N: usize>(vector: &[f32], light: [&[f32]; N]) -> [f32; N] {
+    let mut sums = [[0.0f32; LANES]; N];
     let whole = vector.len() - vector.len() % LANES;
     for start in (0..whole).step_by(LANES) {
         let v: &[f32; LANES] = vector[start..start + LANES].try_into().expect("LANES of them");
@@ -58,5 +79,5 @@ fn dot_channels(vector: &[f32], light: [&[f32]; 3]) -> Vec3 {
             sum[lane] += v * l;
         }
     }
-    Vec3::from(sums.map(|sum| sum.iter().sum()))
+    sums.map(|sum| sum.iter().sum())
 }

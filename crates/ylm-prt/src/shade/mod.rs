@@ -1,5 +1,18 @@
 //! Relighting at run time: transfer and light in, vertex radiance out. No ray is cast here.
+//!
+//! | function | light | cost a point |
+//! | --- | --- | --- |
+//! | [`shade_diffuse`] | one, from far away | 3n² multiply-adds; n² where it has one colour |
+//! | [`shade_diffuse_under`] | another at each point: [`Incident`] | the same, and what the light costs |
+//! | [`shade_linear`] | 2 bands, no shadows, nothing baked | 4 multiply-adds a channel |
 
+mod ball;
 mod diffuse;
+pub mod grey;
+mod incident;
+mod linear;
 
+pub use ball::{Ball, Cap, Shadowed, dim};
 pub use diffuse::shade_diffuse;
+pub use incident::{Far, Incident, shade_diffuse_under};
+pub use linear::{LinearIrradiance, shade_linear};
