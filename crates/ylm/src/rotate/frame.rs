@@ -1,7 +1,8 @@
 //! A rotation of its own for each function, by turns about z and fixed quarter turns about x.
 
-use super::recursion;
-use crate::bands::{Bands, degree_order};
+use super::quarter::{QuarterTurn, QuarterTurns};
+use super::z::turn_each_about_z;
+use crate::bands::Bands;
 use crate::error::{Error, Result, check_length};
 use crate::planes::{gather, scatter};
 use crate::real::Real;
@@ -12,8 +13,7 @@ use crate::simd::{Kernel, Lanes, Level};
 /// matrix built for any.
 ///
 /// The rotation of an item takes +z to its normal n = (θ, φ_n), after a spin by ψ about z:
-/// R = Z(φ_n) Y(θ) Z(ψ), and Y(θ) = X(−90°) Z(θ) X(90°). A turn about z mixes orders ±m only, and of the matrix of the
-/// quarter turn X(90°), which is the same for all, three entries of four are zero: the ZXZXZ way.
+/// R = Z(φ_n) Y(θ) Z(ψ), by the ZXZXZ way of [`QuarterTurns`].
 ///
 /// Error: agrees with [`super::Rotation`] to 1e-13 in f64 at 32 bands (tests/rotate.rs).
 /// Cost: about 2/3 n³ + 6 n² multiply-adds an item; `ylm-bench rotate`.
@@ -22,40 +22,18 @@ use crate::simd::{Kernel, Lanes, Level};
 /// Lighting Using Spherical Harmonics", appendix
 #[derive(Clone, Debug)]
 pub struct FrameRotation<T> {
-    bands: Bands,
-    quarter: Vec<Sector<T>>,
-    quarter_back: Vec<Sector<T>>,
-}
-
-/// The entries of a quarter turn between the coefficients of one band that share their symmetries.
-///
-/// The turn keeps the parity in x, and makes the parity in y that in z: two of four sign patterns of the columns meet
-/// exactly one of the rows.
-#[derive(Clone, Debug)]
-struct Sector<T> {
-    rows: Vec<usize>,
-    columns: Vec<usize>,
-    /// Row-major.
-    entries: Vec<T>,
+    quarter: QuarterTurns<T>,
 }
 
 impl<T: Real> FrameRotation<T> {
     /// The quarter turns of `bands` bands. Cost: O(n³).
     pub fn new(bands: Bands) -> Self {
-        let mut quarter = Vec::new();
-        let mut l = 0;
-        let about_x = [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]];
-        recursion::band_matrices(about_x, bands.count(), |matrix| {
-            quarter.extend(sectors(matrix, l));
-            l += 1;
-        });
-        let quarter_back = quarter.iter().map(Sector::transposed).collect();
-        Self { bands, quarter, quarter_back }
+        Self { quarter: QuarterTurns::new(bands) }
     }
 
     /// The number of bands.
     pub fn bands(&self) -> Bands {
-        self.bands
+        self.quarter.bands()
     }
 
     /// Rotates each function by its own rotation, Z(φ_n) Y(θ) Z(ψ).
@@ -81,7 +59,7 @@ impl<T: Real> FrameRotation<T> {
         spins: &[[T; 2]],
         out: &mut [T],
     ) -> Result<()> {
-        let width = self.bands.coeff_count();
+        let width = self.bands().coeff_count();
         check_length("coeffs", coeffs.len(), normals.len() * width)?;
         check_length("spins", spins.len(), normals.len())?;
         check_length("out", out.len(), coeffs.len())?;
@@ -94,45 +72,6 @@ impl<T: Real> FrameRotation<T> {
             level.run::<T, _>(Apply { rotation: self, turns, coeffs, out, current, other });
         }
         Ok(())
-    }
-}
-
-/// The parity of a coefficient in x, y and z: true if the harmonic is odd.
-fn parity(i: usize) -> [bool; 3] {
-    let (l, m) = degree_order(i);
-    let odd = m % 2 != 0;
-    // cos m(π − φ) = (−1)^m cos mφ, sin m(π − φ) = −(−1)^m sin mφ.
-    [odd == (m >= 0), m < 0, (l % 2 != 0) != odd]
-}
-
-/// The sectors of the quarter turn's matrix of band `l`.
-fn sectors<T: Real>(matrix: &[f64], l: usize) -> Vec<Sector<T>> {
-    let indices = l * l..(l + 1) * (l + 1);
-    let mut sectors = Vec::new();
-    for odd_x in [false, true] {
-        for odd_z in [false, true] {
-            let rows: Vec<usize> =
-                indices.clone().filter(|&i| parity(i)[0] == odd_x && parity(i)[2] == odd_z).collect();
-            let columns: Vec<usize> =
-                indices.clone().filter(|&i| parity(i)[0] == odd_x && parity(i)[1] == odd_z).collect();
-            let entry = |row: usize, column: usize| matrix[(row - l * l) * (2 * l + 1) + column - l * l];
-            let entries = (rows.iter())
-                .flat_map(|&row| columns.iter().map(move |&column| T::from_f64(entry(row, column))))
-                .collect();
-            sectors.push(Sector { rows, columns, entries });
-        }
-    }
-    sectors.retain(|sector: &Sector<T>| !sector.entries.is_empty());
-    sectors
-}
-
-impl<T: Real> Sector<T> {
-    fn transposed(&self) -> Self {
-        let entry = |row: usize, column: usize| self.entries[row * self.columns.len() + column];
-        let entries = (0..self.columns.len())
-            .flat_map(|column| (0..self.rows.len()).map(move |row| entry(row, column)))
-            .collect();
-        Self { rows: self.columns.clone(), columns: self.rows.clone(), entries }
     }
 }
 
@@ -194,72 +133,14 @@ impl<T: Real> Kernel<T> for Apply<'_, T> {
 
     #[inline(always)]
     fn run<V: Lanes<T>>(self) {
-        let n = self.rotation.bands.count();
+        let n = self.rotation.bands().count();
         let [spin, polar, azimuth] = &self.turns.turns;
         gather::<T, V>(self.coeffs, n * n, self.current);
-        turn_about_z::<T, V>(spin, n, self.current);
-        quarter_turn::<T, V>(&self.rotation.quarter, self.current, self.other);
-        turn_about_z::<T, V>(polar, n, self.other);
-        quarter_turn::<T, V>(&self.rotation.quarter_back, self.other, self.current);
-        turn_about_z::<T, V>(azimuth, n, self.current);
+        turn_each_about_z::<T, V>(spin, n, self.current);
+        self.rotation.quarter.turn::<V>(QuarterTurn::There, self.current, self.other);
+        turn_each_about_z::<T, V>(polar, n, self.other);
+        self.rotation.quarter.turn::<V>(QuarterTurn::Back, self.other, self.current);
+        turn_each_about_z::<T, V>(azimuth, n, self.current);
         scatter::<T, V>(self.current, n * n, self.out);
-    }
-}
-
-/// Turns each lane about z by its own angle: (c_m, c_−m) ← (c_m cos mα − c_−m sin mα, c_−m cos mα + c_m sin mα).
-#[inline(always)]
-fn turn_about_z<T: Real, V: Lanes<T>>([cos, sin]: &[[T; CHUNK]; 2], n: usize, planes: &mut [T]) {
-    for lane in (0..CHUNK).step_by(V::COUNT) {
-        let (cos_1, sin_1) = (V::load(&cos[lane..]), V::load(&sin[lane..]));
-        let (mut cos, mut sin) = (cos_1, sin_1);
-        for m in 1..n {
-            for l in m..n {
-                let middle = l * (l + 1);
-                let (positive, negative) = ((middle + m) * CHUNK + lane, (middle - m) * CHUNK + lane);
-                let (p, q) = (V::load(&planes[positive..]), V::load(&planes[negative..]));
-                q.neg_mul_add(sin, p * cos).store(&mut planes[positive..]);
-                p.mul_add(sin, q * cos).store(&mut planes[negative..]);
-            }
-            (cos, sin) = (sin.neg_mul_add(sin_1, cos * cos_1), cos.mul_add(sin_1, sin * cos_1));
-        }
-    }
-}
-
-/// The planes `after` = quarter turn · `before`.
-#[inline(always)]
-fn quarter_turn<T: Real, V: Lanes<T>>(sectors: &[Sector<T>], before: &[T], after: &mut [T]) {
-    for Sector { rows, columns, entries } in sectors {
-        let width = columns.len();
-        let mut groups = rows.chunks_exact(2).zip(entries.chunks_exact(2 * width));
-        for (rows, entries) in &mut groups {
-            multiply_sector_rows::<T, V, 2>(rows, columns, entries, before, after);
-        }
-        if rows.len() % 2 == 1 {
-            let last = rows.len() - 1;
-            multiply_sector_rows::<T, V, 1>(&rows[last..], columns, &entries[last * width..], before, after);
-        }
-    }
-}
-
-#[inline(always)]
-fn multiply_sector_rows<T: Real, V: Lanes<T>, const R: usize>(
-    rows: &[usize],
-    columns: &[usize],
-    entries: &[T],
-    before: &[T],
-    after: &mut [T],
-) {
-    let entries = &entries[..R * columns.len()];
-    for lane in (0..CHUNK).step_by(V::COUNT) {
-        let mut sums = [V::splat(T::ZERO); R];
-        for (k, &column) in columns.iter().enumerate() {
-            let value = V::load(&before[column * CHUNK + lane..]);
-            for r in 0..R {
-                sums[r] = value.mul_add(V::splat(entries[r * columns.len() + k]), sums[r]);
-            }
-        }
-        for r in 0..R {
-            sums[r].store(&mut after[rows[r] * CHUNK + lane..]);
-        }
     }
 }

@@ -30,8 +30,12 @@ pub fn nearest_rotation(matrix: [[f64; 3]; 3]) -> Result<[[f64; 3]; 3]> {
         let range = "it must be 1: this is a reflection, which is no rotation";
         return Err(Error::Range { what, value: determinant, range });
     }
+    Ok(orthonormalized(matrix))
+}
+
+/// The rotation nearest to a matrix within 1e-4 of one.
+pub fn orthonormalized(mut rotation: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     // Newton's iteration for the orthogonal polar factor, M (3 − MᵀM) / 2: the error squares, 1e-4 → 1e-8 → 1e-16.
-    let mut rotation = matrix;
     for _ in 0..3 {
         let gram = gram(&rotation);
         rotation = rotation.map(|row| {
@@ -40,7 +44,7 @@ pub fn nearest_rotation(matrix: [[f64; 3]; 3]) -> Result<[[f64; 3]; 3]> {
             })
         });
     }
-    Ok(rotation)
+    rotation
 }
 
 /// MᵀM.

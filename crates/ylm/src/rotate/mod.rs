@@ -3,174 +3,52 @@
 //! Active and by columns: `rotate(Y(d), R) = Y(R d)`, so the rotated function g has g(R d) = f(d). Matrices act on
 //! columns, quaternions are [x, y, z, w]. DirectXMath's matrices act on rows, v' = v · M: give the transpose of one.
 //!
-//! [`Rotation`] turns many functions by one rotation, through the matrices of each band; [`FrameRotation`] turns each
-//! function by a rotation of its own, without any matrix per item.
+//! A [`Turn`] is a rotation of space: by a matrix, a quaternion, an axis and an angle, or Euler angles of any order.
+//!
+//! [`Rotation`] turns many functions by one rotation, through the matrices of each band; [`QuarterTurns`] does so without
+//! matrices; [`FrameRotation`] turns each function by a rotation of its own; [`rotate_z`] turns about z alone.
 
+mod bandwise;
 mod frame;
 mod matrix;
+mod quarter;
 mod recursion;
+mod turn;
+mod wigner;
+mod z;
 
+pub use bandwise::Rotation;
 pub use frame::FrameRotation;
+pub use quarter::QuarterTurns;
+pub use turn::{EulerOrder, Turn};
+pub use z::{rotate_z, rotate_z_with};
 
 use crate::bands::Bands;
-use crate::error::{Error, Result, check_length};
-use crate::planes::{gather, scatter};
+use crate::error::{Result, check_length};
+use crate::product::cache::shared;
 use crate::real::Real;
-use crate::recurrence::CHUNK;
-use crate::simd::{Kernel, Lanes, Level};
 
-/// A rotation of SH coefficients: an orthogonal (2l+1) × (2l+1) matrix for each band.
+/// Rotates functions by one rotation, the faster of two ways for as many as there are.
 ///
-/// Error: f64 1e-15 at 6 bands, 8e-15 at 32, 1.2e-13 at 256, f32 1e-6 at 6 (tests/rotate.rs).
-/// Cost: O(n³) to make, 4/3 n³ numbers of memory: 1.1 kB at 6 bands in f32, 179 MB at 256 bands in f64.
+/// A few functions go by [`QuarterTurns`], whose tables are made at the first call and kept; from [`matrix_pays_from`] on
+/// it pays to make the matrices of [`Rotation`] first.
 ///
-/// [Ivanic & Ruedenberg 1996] "Rotation matrices for real spherical harmonics. Direct determination by recursion",
-/// with the corrected formulas of [Ivanic & Ruedenberg 1998] "Additions and corrections", made stable at high l
-#[derive(Clone, Debug)]
-pub struct Rotation<T> {
-    bands: Bands,
-    /// Row-major matrices, l = 0 … n−1.
-    matrices: Vec<T>,
+/// Shapes: `coeffs` [item, n²], any number of items; `out` the same. Error: that of either way, 2e-14 in f64 at 32 bands.
+///
+/// # Errors
+/// If `coeffs` is no whole number of items, or `out` has another length.
+pub fn rotate<T: Real>(turn: &Turn, bands: Bands, coeffs: &[T], out: &mut [T]) -> Result<()> {
+    check_length("coeffs", coeffs.len(), coeffs.len().next_multiple_of(bands.coeff_count()))?;
+    if coeffs.len() / bands.coeff_count() >= matrix_pays_from(bands) {
+        return Rotation::of_turn(turn, bands).apply(coeffs, out);
+    }
+    shared((bands.count(), 0), || QuarterTurns::<T>::new(bands)).rotate(turn, coeffs, out)
 }
 
-impl<T: Real> Rotation<T> {
-    /// From a 3 × 3 matrix that acts on columns: `matrix[row][column]`, d ↦ matrix · d.
-    ///
-    /// The matrix may be as far off as single precision leaves it after many products (|MᵀM − 1| ≤ 1e-4); the nearest
-    /// rotation is taken.
-    ///
-    /// # Errors
-    /// If an entry is not finite, the columns are not orthonormal, or the matrix is a reflection.
-    pub fn from_matrix(matrix: [[T; 3]; 3], bands: Bands) -> Result<Self> {
-        let matrix = matrix::nearest_rotation(matrix.map(|row| row.map(T::to_f64)))?;
-        Ok(Self::of_exact(matrix, bands))
-    }
-
-    /// From a quaternion [x, y, z, w] of any length but zero: d ↦ q d q⁻¹.
-    ///
-    /// # Errors
-    /// If a component is not finite, or all are zero.
-    pub fn from_quaternion(quaternion: [T; 4], bands: Bands) -> Result<Self> {
-        Ok(Self::of_exact(matrix::of_quaternion(quaternion.map(T::to_f64))?, bands))
-    }
-
-    fn of_exact(matrix: [[f64; 3]; 3], bands: Bands) -> Self {
-        let mut matrices = Vec::with_capacity(matrices_offset(bands.count()));
-        recursion::band_matrices(matrix, bands.count(), |band| {
-            matrices.extend(band.iter().map(|&entry| T::from_f64(entry)));
-        });
-        Self { bands, matrices }
-    }
-
-    /// The number of bands.
-    pub fn bands(&self) -> Bands {
-        self.bands
-    }
-
-    /// The row-major (2l+1) × (2l+1) matrix of band `l`, orders −l … l; it acts on columns of coefficients.
-    ///
-    /// # Errors
-    /// If there is no such band.
-    pub fn band(&self, l: usize) -> Result<&[T]> {
-        if l >= self.bands.count() {
-            return Err(Error::Bands { bands: l + 1, min: 1, max: self.bands.count() });
-        }
-        Ok(&self.matrices[matrices_offset(l)..matrices_offset(l + 1)])
-    }
-
-    /// Rotates functions.
-    ///
-    /// Shapes: `coeffs` [item, n²], any number of items; `out` the same. A NaN stays in its item and band.
-    /// Cost: 4/3 n³ multiply-adds an item, 16 items side by side; `ylm-bench rotate`.
-    ///
-    /// # Errors
-    /// If `coeffs` is no whole number of items, or `out` has another length.
-    pub fn apply(&self, coeffs: &[T], out: &mut [T]) -> Result<()> {
-        self.apply_with(Level::best(), coeffs, out)
-    }
-
-    /// [`Rotation::apply`] with a given instruction set.
-    ///
-    /// # Errors
-    /// As [`Rotation::apply`].
-    pub fn apply_with(&self, level: Level, coeffs: &[T], out: &mut [T]) -> Result<()> {
-        let width = self.bands.coeff_count();
-        check_length("coeffs", coeffs.len(), coeffs.len().next_multiple_of(width))?;
-        check_length("out", out.len(), coeffs.len())?;
-        let mut planes = vec![T::ZERO; 2 * width * CHUNK];
-        let (before, after) = planes.split_at_mut(width * CHUNK);
-        level.run::<T, _>(Apply { rotation: self, coeffs, out, before, after });
-        Ok(())
-    }
-}
-
-/// Numbers in the matrices of the bands below `l`: Σ (2k+1)² = l (4l² − 1) / 3.
-fn matrices_offset(l: usize) -> usize {
-    if l == 0 { 0 } else { l * (4 * l * l - 1) / 3 }
-}
-
-struct Apply<'a, T> {
-    rotation: &'a Rotation<T>,
-    coeffs: &'a [T],
-    out: &'a mut [T],
-    before: &'a mut [T],
-    after: &'a mut [T],
-}
-
-impl<T: Real> Kernel<T> for Apply<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<V: Lanes<T>>(self) {
-        let n = self.rotation.bands.count();
-        let width = n * n;
-        for (coeffs, out) in self.coeffs.chunks(CHUNK * width).zip(self.out.chunks_mut(CHUNK * width)) {
-            gather::<T, V>(coeffs, width, self.before);
-            for l in 0..n {
-                let matrix = &self.rotation.matrices[matrices_offset(l)..matrices_offset(l + 1)];
-                let planes = l * l * CHUNK..(l + 1) * (l + 1) * CHUNK;
-                multiply::<T, V>(matrix, 2 * l + 1, &self.before[planes.clone()], &mut self.after[planes]);
-            }
-            scatter::<T, V>(self.after, width, out);
-        }
-    }
-}
-
-/// The planes `after` = `matrix` · `before`.
-#[inline(always)]
-fn multiply<T: Real, V: Lanes<T>>(matrix: &[T], size: usize, before: &[T], after: &mut [T]) {
-    let mut row = 0;
-    while row + 4 <= size {
-        multiply_rows::<T, V, 4>(&matrix[row * size..], size, before, &mut after[row * CHUNK..]);
-        row += 4;
-    }
-    // 2l + 1 is odd.
-    if size - row == 3 {
-        multiply_rows::<T, V, 3>(&matrix[row * size..], size, before, &mut after[row * CHUNK..]);
-    } else {
-        multiply_rows::<T, V, 1>(&matrix[row * size..], size, before, &mut after[row * CHUNK..]);
-    }
-}
-
-/// `R` rows at once: each plane is loaded once for them, and their sums do not wait for each other.
-#[inline(always)]
-fn multiply_rows<T: Real, V: Lanes<T>, const R: usize>(
-    matrix: &[T],
-    size: usize,
-    before: &[T],
-    after: &mut [T],
-) {
-    let matrix = &matrix[..R * size];
-    for lane in (0..CHUNK).step_by(V::COUNT) {
-        let mut sums = [V::splat(T::ZERO); R];
-        for column in 0..size {
-            let value = V::load(&before[column * CHUNK + lane..]);
-            for r in 0..R {
-                sums[r] = value.mul_add(V::splat(matrix[r * size + column]), sums[r]);
-            }
-        }
-        for r in 0..R {
-            sums[r].store(&mut after[r * CHUNK + lane..]);
-        }
+/// From how many functions on the matrices of a rotation are worth being built for them: `ylm-bench rotate`.
+pub fn matrix_pays_from(bands: Bands) -> usize {
+    match bands.count() {
+        n @ 0..=2 => n / 2,
+        n => 40 * n,
     }
 }
