@@ -18,6 +18,7 @@ use crate::output::Output;
 pub const LIGHT_HELP: &str = "\
 LIGHT is a file (.hdr .exr .pfm .dds .float, or .json of `ylm light`) or a formula:
   white    sky:overcast    sky:clear?sun=45,180    disc?dir=0,1,1&angle=20
+  sphere?pos=0,2,0&radius=0.5    polygon?points=-1,2,-1;1,2,-1;1,2,1;-1,2,1[&sides=one]
 and sums of them: probe.hdr+disc?dir=0,1,0&angle=5. A part takes intensity=2 and color=1,0.9,0.8; angles are degrees.
 A probe's layout is detected, or forced: probe.hdr?layout=latlong|angular|cross|cube|mirror
 

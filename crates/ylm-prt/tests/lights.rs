@@ -56,6 +56,8 @@ fn every_kind() -> Vec<(&'static str, Light)> {
         ("cross", checkered(LayoutWord::Cross, 24, 32)),
         ("cube", checkered(LayoutWord::Cube, 8, 48)),
         ("coefficients", Light::of(Source::Coeffs(coeffs.into()))),
+        ("sphere", light("sphere?pos=1,2,-0.5&radius=0.8&color=1,0,2")),
+        ("polygon", light("polygon?points=1,-1,0.3;1,1,0.3;0.2,1,2;0.2,0.2,2&intensity=3")),
         ("sum", light("white?intensity=0.1+disc?dir=0,1,0&angle=1&intensity=100+sky:cie7?sun=10,-30")),
     ]
 }
@@ -441,6 +443,17 @@ fn words_that_are_no_light_are_refused_by_name() {
         ("disc?dir=0,1,0&angle=20&angle=30", "angle is given twice"),
         ("disc?dir=0,1,0&angel=20", "it needs angle=degrees"),
         ("disc?dir=0,1,0&angle=2&size=20", "no option \"size\"; it takes dir, angle, intensity, color"),
+        ("sphere?radius=1", "light \"sphere\": it needs pos=x,y,z"),
+        ("sphere?pos=0,1,0", "it needs radius=r"),
+        ("sphere?pos=0,1,0&radius=0", "a sphere of radius 0 is none; it must be positive"),
+        ("polygon", "it needs points=x,y,z;x,y,z;x,y,z"),
+        ("polygon?points=0,0,1;1,0,1", "the polygon has 2 corners; it must have 3 to 1024"),
+        ("polygon?points=0,0,1;1,0,1;1", "points=1, expected 3 numbers with commas"),
+        ("polygon?points=0,0,1;1,0,1;2,0,1", "the polygon has no area"),
+        ("polygon?points=0,0,1;1,0,1;1,1,1;0,1,1.1", "the polygon is not flat"),
+        ("polygon?points=0,0,1;3,3,1;3,0,1;0,2,1", "the polygon crosses itself: its sides 1 and 3 meet"),
+        ("polygon?points=0,0,1;1,0,1;1,0,1;1,1,1", "the polygon has its corners 2 and 3 in one place"),
+        ("polygon?points=0,0,1;1,0,1;1,1,1&sides=front", "no sides \"front\"; there are both, one"),
         ("white?intensity", "\"intensity\" is no key=value"),
         ("white?intensity=-1", "must not be negative"),
         ("white?intensity=inf", "intensity=inf, expected a number"),
@@ -496,7 +509,7 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn no_words_panic(spec in "(white|disc|sky:[a-z0-9]{0,6}|[ -~]{0,8})(\\?[ -~]{0,30})?(\\+[ -~]{0,20})?") {
+    fn no_words_panic(spec in "(white|disc|sphere|polygon|sky:[a-z0-9]{0,6}|[ -~]{0,8})(\\?[ -~]{0,30})?(\\+[ -~]{0,20})?") {
         if let Ok(light) = Light::parse(&spec) {
             prop_assert!(light.radiance(Vec3::Y).is_finite());
         }

@@ -31,6 +31,7 @@ pub mod exponential;
 pub mod layout;
 pub mod legendre;
 mod planes;
+pub mod polygon;
 pub mod product;
 pub mod project;
 pub mod quadrature;

@@ -33,6 +33,21 @@ impl Disc {
         Ok(Self { direction, half_angle })
     }
 
+    /// The disc around a unit direction, with a half-angle in (0, π].
+    pub(crate) fn towards(direction: DVec3, half_angle: f64) -> Self {
+        Self { direction, half_angle }
+    }
+
+    /// The unit direction of its middle.
+    pub fn direction(&self) -> DVec3 {
+        self.direction
+    }
+
+    /// The angle from its middle to its rim in radians.
+    pub fn half_angle(&self) -> f64 {
+        self.half_angle
+    }
+
     /// The solid angle, 2π (1 − cos a).
     pub fn solid_angle(&self) -> f64 {
         TAU * self.height()
@@ -43,11 +58,16 @@ impl Disc {
         2.0 * (0.5 * self.half_angle).sin().powi(2)
     }
 
-    /// The radiance from a unit direction.
-    pub(crate) fn radiance(&self, direction: Vec3) -> f32 {
+    /// Whether a unit direction is within.
+    pub(crate) fn contains(&self, direction: Vec3) -> bool {
         // Half the square of the chord is 1 − cos: it keeps small discs apart where a cosine is rounded to 1.
         let chord = direction.as_dvec3().normalize_or_zero() - self.direction;
-        if 0.5 * chord.length_squared() <= self.height() { 1.0 } else { 0.0 }
+        0.5 * chord.length_squared() <= self.height()
+    }
+
+    /// The radiance from a unit direction.
+    pub(crate) fn radiance(&self, direction: Vec3) -> f32 {
+        if self.contains(direction) { 1.0 } else { 0.0 }
     }
 
     pub(crate) fn project(&self, bands: Bands) -> Result<Vec<f64>> {

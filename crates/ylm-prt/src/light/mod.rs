@@ -1,42 +1,33 @@
-//! Light from far away: probes, skies, discs, and their SH coefficients.
+//! Lights and their SH coefficients: probes, skies and discs from far away, spheres and polygons that stand somewhere.
 //!
-//! A light is a sum of parts. Each part is a [`Source`] in axes of its own, turned and scaled.
+//! A light is a sum of parts. Each part is a [`Source`] in axes of its own, turned and scaled. A part is far, and sends
+//! the same everywhere, or *local*, and is seen differently from every point. Parts hide nothing behind them.
 
 pub mod coeffs;
 pub mod disc;
+pub mod polygon;
 pub mod probe;
 pub mod sampler;
+mod seen;
 pub mod sky;
+mod source;
 mod spec;
-
-use std::sync::Arc;
+pub mod sphere;
 
 use glam::{DVec3, Quat, Vec3};
 use ylm::Bands;
 
 pub use coeffs::LightCoeffs;
 pub use disc::Disc;
+pub use polygon::{Polygon, Sides};
 pub use probe::{Probe, ProbeStatistics};
 pub use sampler::LightSampler;
 pub use sky::Sky;
+pub use source::Source;
+pub use sphere::SphereLight;
 
 use crate::error::Result;
 use crate::image::ReadOptions;
-
-/// Where light comes from.
-#[derive(Clone, Debug)]
-pub enum Source {
-    /// A picture of the whole sphere.
-    Probe(Arc<Probe>),
-    /// Radiance 1 from everywhere: irradiance π on any open surface.
-    White,
-    /// Radiance 1 within a disc.
-    Disc(Disc),
-    /// A CIE sky over a grey ground.
-    Sky(Sky),
-    /// An SH expansion; its radiance is the reconstruction and may be negative.
-    Coeffs(Arc<LightCoeffs>),
-}
 
 /// One source of a light.
 #[derive(Clone, Debug)]
@@ -55,35 +46,25 @@ pub struct Light {
     parts: Vec<Part>,
 }
 
-impl Source {
-    /// The radiance from a unit direction in the source's own axes.
-    fn radiance(&self, direction: Vec3) -> Vec3 {
-        match self {
-            Self::Probe(probe) => probe.radiance(direction),
-            Self::White => Vec3::ONE,
-            Self::Disc(disc) => Vec3::splat(disc.radiance(direction)),
-            Self::Sky(sky) => Vec3::splat(sky.radiance(direction)),
-            Self::Coeffs(coeffs) => coeffs.radiance(direction),
-        }
+impl Part {
+    /// The radiance that arrives at a point of the world from a direction, of any length but zero, were nothing between.
+    pub fn radiance_at(&self, point: Vec3, direction: Vec3) -> Vec3 {
+        self.scale * self.source.radiance(self.local_point(point), self.local_direction(direction))
     }
 
-    /// Coefficients in the source's own axes, 3 × n².
-    fn project(&self, bands: Bands) -> Result<Vec<f64>> {
-        let count = bands.coeff_count();
-        let grey = |channel: Vec<f64>| channel.repeat(3);
-        Ok(match self {
-            Self::Probe(probe) => probe.project(bands)?,
-            Self::White => {
-                let mut channel = vec![0.0; count];
-                channel[0] = (4.0 * std::f64::consts::PI).sqrt();
-                grey(channel)
-            }
-            Self::Disc(disc) => grey(disc.project(bands)?),
-            Self::Sky(sky) => grey(sky.project(bands)?),
-            Self::Coeffs(coeffs) => {
-                coeffs.resized(bands).channels.concat().into_iter().map(f64::from).collect()
-            }
-        })
+    /// How far away the source is from a point in a direction: infinite if it is far, none if it is not there.
+    pub fn distance_at(&self, point: Vec3, direction: Vec3) -> Option<f32> {
+        self.source
+            .distance(self.local_point(point), self.local_direction(direction))
+            .map(|distance| distance as f32)
+    }
+
+    pub(crate) fn local_point(&self, point: Vec3) -> DVec3 {
+        self.world_from_local.as_dquat().normalize().inverse() * point.as_dvec3()
+    }
+
+    fn local_direction(&self, direction: Vec3) -> Vec3 {
+        self.world_from_local.inverse() * direction.normalize_or_zero()
     }
 }
 
@@ -107,7 +88,10 @@ impl Light {
     /// - `disc?dir=0,1,1&angle=20`: radiance 1 within `angle` degrees of `dir` (the half-angle, as seen from the middle);
     /// - `sky:overcast`, `sky:clear?sun=45,180`, `sky:cie1` … `sky:cie15`: sun by elevation and azimuth in degrees, azimuth
     ///   from +z towards +x; `ground=0.2` is the albedo of the ground below. The sky alone gives an open horizontal
-    ///   surface the irradiance π, as `white` does.
+    ///   surface the irradiance π, as `white` does;
+    /// - `sphere?pos=0,2,0&radius=0.5`: a sphere of radiance 1 that stands in the world;
+    /// - `polygon?points=-1,2,-1;1,2,-1;1,2,1;-1,2,1`: a flat area of radiance 1, lit on both sides, or with `sides=one` on
+    ///   that from which its points run counter-clockwise.
     ///
     /// Every part takes `intensity=2` and `color=1,0.5,0`, which multiply. Where a file's own name has `+`, `?` or `&` in
     /// it, an existing file wins over the other reading; formulas win over files of the same name (`./white`).
@@ -131,28 +115,67 @@ impl Light {
         &self.parts
     }
 
-    /// The radiance that arrives from a direction, of any length but zero.
-    pub fn radiance(&self, direction: Vec3) -> Vec3 {
-        let direction = direction.normalize_or_zero();
-        let of = |part: &Part| part.scale * part.source.radiance(part.world_from_local.inverse() * direction);
-        self.parts.iter().map(of).sum()
+    /// Whether a part stands somewhere, so that the light depends on the point that it arrives at.
+    pub fn is_local(&self) -> bool {
+        self.parts.iter().any(|part| part.source.is_local())
     }
 
-    /// The coefficients of the light's radiance.
+    /// The parts that are far away, the same everywhere.
+    #[must_use]
+    pub fn far(&self) -> Self {
+        Self::new(self.parts.iter().filter(|part| !part.source.is_local()).cloned().collect())
+    }
+
+    /// The parts that stand somewhere.
+    #[must_use]
+    pub fn local(&self) -> Self {
+        Self::new(self.parts.iter().filter(|part| part.source.is_local()).cloned().collect())
+    }
+
+    /// The radiance that arrives at the origin from a direction, of any length but zero.
+    pub fn radiance(&self, direction: Vec3) -> Vec3 {
+        self.radiance_at(Vec3::ZERO, direction)
+    }
+
+    /// The radiance that arrives at a point from a direction, of any length but zero, were nothing between.
+    pub fn radiance_at(&self, point: Vec3, direction: Vec3) -> Vec3 {
+        self.parts.iter().map(|part| part.radiance_at(point, direction)).sum()
+    }
+
+    /// The radiance that arrives at a point from a direction, of what is no farther than `distance`, where a ray ended.
     ///
-    /// Closed forms for `white` and discs; exact texel solid angles for probes, whose radiance is constant over a texel,
-    /// as [`Light::radiance`] has it; quadrature for skies. Computed in f64, kept as f32.
-    ///
-    /// Error: that of [`ylm::layout::project_image`] for probes; 3e-6 of the largest coefficient for skies
-    /// (tests/lights.rs). Cost: O(texels · n²) on all threads; the same bits for any number of them.
+    /// Far parts are seen at an infinite distance only. A local part up to 1e-4 of the distance behind the ray's end
+    /// counts as in front: a lamp may lie in a surface.
+    pub fn radiance_within(&self, point: Vec3, direction: Vec3, distance: f32) -> Vec3 {
+        let is_open =
+            |part: &&Part| part.distance_at(point, direction).is_some_and(|at| at <= 1.0001 * distance);
+        self.parts.iter().filter(is_open).map(|part| part.radiance_at(point, direction)).sum()
+    }
+
+    /// The coefficients of the light's radiance as the origin sees it: [`Light::project_at`].
     ///
     /// # Errors
     /// If coefficients leave the range of f32.
     pub fn project(&self, bands: Bands) -> Result<LightCoeffs> {
+        self.project_at(Vec3::ZERO, bands)
+    }
+
+    /// The coefficients of the light's radiance as a point sees it, were nothing between.
+    ///
+    /// Closed forms for `white`, discs, spheres and polygons; exact texel solid angles for probes, whose radiance is
+    /// constant over a texel, as [`Light::radiance`] has it; quadrature for skies. Computed in f64, kept as f32.
+    ///
+    /// Error: that of [`ylm::layout::project_image`] for probes, of [`ylm::polygon`] for polygons; 3e-6 of the largest
+    /// coefficient for skies (tests/lights.rs). Cost: O(texels · n²) on all threads, O(corners · n³) a polygon; the same
+    /// bits for any number of threads. Many points need only [`Light::local`] projected at each.
+    ///
+    /// # Errors
+    /// If coefficients leave the range of f32.
+    pub fn project_at(&self, point: Vec3, bands: Bands) -> Result<LightCoeffs> {
         let count = bands.coeff_count();
         let mut sums = vec![0.0; 3 * count];
         for part in &self.parts {
-            let mut coeffs = part.source.project(bands)?;
+            let mut coeffs = part.source.project(part.local_point(point), bands)?;
             coeffs::rotate(part.world_from_local, bands, &mut coeffs)?;
             for (channel, scale) in part.scale.to_array().into_iter().enumerate() {
                 for i in channel * count..(channel + 1) * count {
@@ -163,7 +186,7 @@ impl Light {
         LightCoeffs::from_sums(bands, &sums)
     }
 
-    /// The light turned by a rotation: what came from d comes from `rotation` d.
+    /// The light turned by a rotation about the origin: what came from d comes from `rotation` d.
     #[must_use]
     pub fn rotated(&self, rotation: Quat) -> Self {
         let rotation = rotation.normalize();
@@ -188,7 +211,7 @@ impl Light {
         self
     }
 
-    /// What draws directions in proportion to the light's luminance.
+    /// What draws directions from the origin in proportion to the light's luminance; [`LightSampler::at`] moves it.
     ///
     /// # Errors
     /// If the light has no finite power.

@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 use super::probe::LayoutWord;
-use super::{Disc, LightCoeffs, Part, Probe, Sky, Source};
+use super::{Disc, LightCoeffs, Part, Polygon, Probe, Sides, Sky, Source, SphereLight};
 use crate::error::{Error, Result};
 use crate::image::ReadOptions;
 
@@ -68,14 +68,14 @@ fn part(word: &str, read: &ReadOptions) -> Result<Part> {
 }
 
 fn is_formula(name: &str) -> bool {
-    name == "white" || name == "disc" || name.starts_with("sky:")
+    matches!(name, "white" | "disc" | "sphere" | "polygon") || name.starts_with("sky:")
 }
 
 fn source(query: &mut Query<'_>, read: &ReadOptions) -> Result<Source> {
     match query.name {
         "" => Err(Error::Request(
-            "a light is missing; it is a file (.hdr, .exr, .pfm, .dds, .float, .json), white, disc?dir=..&angle=.., or \
-             sky:.., joined by +"
+            "a light is missing; it is a file (.hdr, .exr, .pfm, .dds, .float, .json), white, disc?.., sky:.., \
+             sphere?.. or polygon?.., joined by +"
                 .to_owned(),
         )),
         "white" => Ok(Source::White),
@@ -84,6 +84,21 @@ fn source(query: &mut Query<'_>, read: &ReadOptions) -> Result<Source> {
             let angle = query.number("angle")?.ok_or_else(|| query.missing("angle=degrees"))?;
             let disc = Disc::new(direction, angle.to_radians());
             disc.map(Source::Disc).map_err(|error| query.fault(error.to_string()))
+        }
+        "sphere" => {
+            let centre = query.numbers::<3>("pos")?.ok_or_else(|| query.missing("pos=x,y,z"))?;
+            let radius = query.number("radius")?.ok_or_else(|| query.missing("radius=r"))?;
+            let sphere = SphereLight::new(DVec3::from_array(centre), radius);
+            sphere.map(Source::Sphere).map_err(|error| query.fault(error.to_string()))
+        }
+        "polygon" => {
+            let corners = query.points("points")?;
+            let corners = corners.ok_or_else(|| query.missing("points=x,y,z;x,y,z;x,y,z"))?;
+            let sides = query.word("sides", &[("both", Sides::Both), ("one", Sides::One)])?;
+            let polygon = Polygon::new(corners, sides.unwrap_or_default());
+            polygon
+                .map(|polygon| Source::Polygon(Arc::new(polygon)))
+                .map_err(|error| query.fault(error.to_string()))
         }
         name => match name.strip_prefix("sky:") {
             Some(kind) => sky(query, kind).map(Source::Sky),
@@ -132,14 +147,8 @@ fn file(query: &mut Query<'_>, read: &ReadOptions) -> Result<Source> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
         return LightCoeffs::open(path).map(|coeffs| Source::Coeffs(Arc::new(coeffs)));
     }
-    let word = query.take("layout");
-    let layout = word.map(|word| {
-        let known = LayoutWord::WORDS;
-        let found = known.iter().find(|(name, _)| *name == word).map(|(_, layout)| *layout);
-        let names = known.map(|(name, _)| name).join(", ");
-        found.ok_or_else(|| query.fault(format!("no layout \"{word}\"; there are {names}")))
-    });
-    Probe::open(path, layout.transpose()?, read).map(|probe| Source::Probe(Arc::new(probe)))
+    let layout = query.word("layout", &LayoutWord::WORDS)?;
+    Probe::open(path, layout, read).map(|probe| Source::Probe(Arc::new(probe)))
 }
 
 /// The options of one part, taken out one by one.
@@ -179,8 +188,27 @@ impl<'a> Query<'a> {
         Some(self.left.remove(at).1)
     }
 
-    fn numbers<const N: usize>(&mut self, key: &'static str) -> Result<Option<[f64; N]>> {
+    /// One of a few words.
+    fn word<T: Copy>(&mut self, key: &'static str, known: &[(&str, T)]) -> Result<Option<T>> {
+        let Some(word) = self.take(key) else { return Ok(None) };
+        let found = known.iter().find(|(name, _)| *name == word).map(|(_, value)| *value);
+        let names = || known.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+        let value = found.ok_or_else(|| self.fault(format!("no {key} \"{word}\"; there are {}", names())))?;
+        Ok(Some(value))
+    }
+
+    /// Points with semicolons between them.
+    fn points(&mut self, key: &'static str) -> Result<Option<Vec<DVec3>>> {
         let Some(text) = self.take(key) else { return Ok(None) };
+        let point = |point| self.parsed::<3>(key, point).map(DVec3::from_array);
+        text.split(';').map(point).collect::<Result<_>>().map(Some)
+    }
+
+    fn numbers<const N: usize>(&mut self, key: &'static str) -> Result<Option<[f64; N]>> {
+        self.take(key).map(|text| self.parsed(key, text)).transpose()
+    }
+
+    fn parsed<const N: usize>(&self, key: &str, text: &str) -> Result<[f64; N]> {
         let mut words = text.split(',');
         let mut numbers = [0.0; N];
         for number in &mut numbers {
@@ -192,7 +220,7 @@ impl<'a> Query<'a> {
             })?;
         }
         match words.next() {
-            None => Ok(Some(numbers)),
+            None => Ok(numbers),
             Some(_) => Err(self.fault(format!("{key}={text} has more than {N} numbers"))),
         }
     }

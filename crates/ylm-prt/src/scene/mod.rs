@@ -25,3 +25,4 @@ pub use mesh::{Mesh, Normals};
 pub use points::LightingPoints;
 pub use read::{MeshFault, NonFinite, ReadOptions, Repairs, UpAxis};
 pub use topology::Topology;
+pub(crate) use triangulate::Cutter;
