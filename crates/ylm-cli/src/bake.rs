@@ -7,9 +7,11 @@ use serde_json::json;
 use ylm::Bands;
 use ylm_prt::error::{self, Error};
 use ylm_prt::file::check_destination;
-use ylm_prt::format::write_baked;
-use ylm_prt::scene::Bvh;
-use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, Precision, TransferKind, bake};
+use ylm_prt::format::{Checkpoint, Existing, write_baked};
+use ylm_prt::scene::{Blockers, Bvh, LightingPoints};
+use ylm_prt::transfer::{
+    BakeRecord, BakeSettings, Baked, Journal, Precision, TransferKind, bake_with_journal,
+};
 
 use crate::interrupt;
 use crate::options;
@@ -51,6 +53,9 @@ pub struct Arguments {
     /// Store transfer as 16-bit floats: half the size, an error of about 0.02 % of vertex radiance
     #[arg(long)]
     half: bool,
+    /// Go on with an interrupted bake from BAKED.part, to the same bytes; begin anew where there is none
+    #[arg(long)]
+    resume: bool,
     /// How far rays start from the surface, as a fraction of the diagonal of its bounding box
     #[arg(long, default_value_t = BakeSettings::BIAS, value_parser = options::fraction, value_name = "E")]
     bias: f32,
@@ -138,6 +143,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         bias: arguments.bias,
         t_max: arguments.t_max.unwrap_or(f32::INFINITY),
     };
+    let checkpoint = open_checkpoint(arguments, &source.points, &blockers.meshes, &settings, output)?;
     let bvh = Bvh::of_scene(&source.points, &blockers.meshes);
     let point_count = source.points.positions.len();
     let triangle_count = source.points.triangles.len();
@@ -147,16 +153,27 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     ));
 
     let progress = BakeProgress::new(output, point_count);
-    let transfer = bake(&source.points, &bvh, &settings, &progress);
+    let journal = checkpoint.as_ref().map_or(&() as &dyn Journal, |checkpoint| checkpoint);
+    let transfer = bake_with_journal(&source.points, &bvh, &settings, &progress, journal);
     progress.finish();
-    let transfer = transfer?;
+    let transfer = match transfer {
+        Ok(transfer) => transfer,
+        Err(error) => return Err(leave(checkpoint, error)),
+    };
     let (bake_seconds, ray_count) = (progress.seconds(), progress.ray_count());
 
     let mut record = BakeRecord::new(&settings, source.names, source.sha256);
     (record.blockers, record.blockers_sha256) = (blockers.names, blockers.sha256);
     record.precision = if arguments.half { Precision::Half } else { Precision::Single };
     let baked = Baked { points: source.points, blockers: blockers.meshes, transfer, record };
-    write_baked(&arguments.output, &baked)?;
+    if let Err(error) = write_baked(&arguments.output, &baked) {
+        return Err(leave(checkpoint, error));
+    }
+    let width = settings.bands.coeff_count();
+    let resumed = checkpoint.as_ref().map_or(0, |checkpoint| checkpoint.kept_value_count(0) / width);
+    if let Some(checkpoint) = checkpoint {
+        checkpoint.remove()?;
+    }
 
     let (bands, seconds) = (settings.bands.count(), start.elapsed().as_secs_f64());
     let rate = ray_count as f64 / bake_seconds / 1e6;
@@ -171,7 +188,50 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         "transfer": kind.name(), "rays_a_point": baked.record.rays, "rays": ray_count, "seconds": seconds,
         "bake_seconds": bake_seconds, "rays_a_second": ray_count as f64 / bake_seconds, "left_out": source.changes.value(),
         "blocker_triangles": baked.blockers.triangles.len(), "tmax": arguments.t_max, "half": arguments.half,
+        "resumed_points": resumed,
     });
     output.result(&text, &value);
     Ok(())
+}
+
+/// The checkpoint of a bake that casts rays; the others take no time.
+fn open_checkpoint(
+    arguments: &Arguments,
+    points: &LightingPoints,
+    blockers: &Blockers,
+    settings: &BakeSettings,
+    output: &Output,
+) -> error::Result<Option<Checkpoint>> {
+    if settings.kind == TransferKind::Unshadowed {
+        return Ok(None);
+    }
+    let existing = if arguments.resume { Existing::Resume } else { Existing::Refuse };
+    let checkpoint = Checkpoint::open(&arguments.output, points, blockers, settings, existing)?;
+    if arguments.resume {
+        let kept = checkpoint.kept_value_count(0) / settings.bands.coeff_count();
+        output.step(&format!(
+            "{}: {kept} of {} points are done already",
+            checkpoint.path().display(),
+            points.positions.len()
+        ));
+    }
+    Ok(Some(checkpoint))
+}
+
+/// What to tell the user about a bake that ended with `error`: how to go on with it, if anything is done.
+fn leave(checkpoint: Option<Checkpoint>, error: Error) -> Error {
+    let Some(checkpoint) = checkpoint else { return error };
+    let path = checkpoint.path().to_owned();
+    let what = match &error {
+        Error::Interrupted => "interrupted".to_owned(),
+        other => other.to_string(),
+    };
+    match checkpoint.leave() {
+        Ok(true) => Error::Request(format!(
+            "{what}; {} keeps what is done: the same command with --resume goes on",
+            path.display()
+        )),
+        Ok(false) => error,
+        Err(failure) => failure,
+    }
 }

@@ -123,3 +123,145 @@ fn a_blocker_that_cannot_be_read_or_blocks_nothing_is_one_line() {
     let message = place.failure("bake floor.obj --blocker roof.obj -o roof.obj", 1);
     assert!(message.contains("give another name"), "{message}");
 }
+
+/// Bakes long enough to be interrupted: 1600 points of a wavy sheet, 25 coefficients each.
+#[cfg(unix)]
+mod interrupted {
+    use std::path::Path;
+    use std::process::{Child, Stdio};
+    use std::time::Duration;
+
+    use super::*;
+
+    const BAKE: &str = "bake sheet.obj -o sheet.safetensors --rays 4096";
+    const VALUE_BYTES: u64 = 1600 * 25 * 4;
+
+    fn sheet() -> Place {
+        let place = Place::new();
+        let side = 40;
+        let mut sheet = String::new();
+        for y in 0..side {
+            for x in 0..side {
+                sheet += &format!("v {x} {} {y}\n", (x * y) % 7);
+            }
+        }
+        for y in 1..side {
+            for x in 1..side {
+                let i = y * side + x + 1;
+                sheet += &format!("f {} {} {} {}\n", i, i - 1, i - 1 - side, i - side);
+            }
+        }
+        fs::write(place.path("sheet.obj"), sheet).unwrap();
+        place
+    }
+
+    fn length(path: &Path) -> u64 {
+        fs::metadata(path).map_or(0, |metadata| metadata.len())
+    }
+
+    /// Starts a bake, and waits until its checkpoint holds this share of its result, or it has ended.
+    fn started(place: &Place, share: f64) -> Child {
+        let mut command = place.command(BAKE);
+        let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+        let part = place.path("sheet.safetensors.part");
+        while length(&part) < (share * VALUE_BYTES as f64) as u64 && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        child
+    }
+
+    #[test]
+    fn a_bake_killed_at_ten_moments_goes_on_to_the_bytes_of_one_that_was_not() {
+        let place = sheet();
+        place.json(BAKE);
+        let output = place.path("sheet.safetensors");
+        let whole = fs::read(&output).unwrap();
+        let mut resumed = Vec::new();
+        for moment in 0..10 {
+            fs::remove_file(&output).unwrap();
+            // Anywhere from before the first write to after the last; when the signal comes is the machine's choice.
+            let mut child = started(&place, (f64::from(moment) * 0.618 + 0.05).fract());
+            child.kill().unwrap();
+            child.wait().unwrap();
+            let bake = place.json(&format!("{BAKE} --resume"));
+            assert!(fs::read(&output).unwrap() == whole, "moment {moment}");
+            assert_eq!(place.files(), ["cube.obj", "sheet.obj", "sheet.safetensors"]);
+            resumed.push(bake["resumed_points"].as_u64().unwrap());
+        }
+        // Bakes went on, and did not all begin anew.
+        assert!(resumed.iter().filter(|&&points| points > 0).count() >= 3, "{resumed:?}");
+    }
+
+    #[test]
+    fn ctrl_c_keeps_what_is_done_and_says_how_to_go_on() {
+        let place = sheet();
+        let long = BAKE.replace("4096", "1000000");
+        let mut command = place.command(&long);
+        let child = command.stderr(Stdio::piped()).spawn().unwrap();
+        while length(&place.path("sheet.safetensors.part")) < 4000 {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        let said = "ylm: interrupted; sheet.safetensors.part keeps what is done: the same command with --resume goes on\n";
+        assert_eq!(String::from_utf8_lossy(&output.stderr), said);
+        assert_eq!(place.files(), ["cube.obj", "sheet.obj", "sheet.safetensors.part"]);
+
+        let kept = fs::read(place.path("sheet.safetensors.part")).unwrap();
+        for (command, expected) in [
+            (long.clone(), "give --resume to go on with it, or delete it"),
+            (format!("{BAKE} --resume"), "is of another bake: rays 1000000 there, 4096 here"),
+            (format!("{long} --resume --tmax 3"), "tmax none there, 3.0 here"),
+            (long.replace("sheet.obj", "cube.obj") + " --resume", "is of another bake: the models"),
+            ("bake cube.obj -o sheet.safetensors.part".to_owned(), "is the checkpoint of a bake"),
+        ] {
+            let message = place.failure(&command, 1);
+            assert!(message.lines().count() == 1 && message.contains(expected), "{command}: {message}");
+        }
+        assert!(fs::read(place.path("sheet.safetensors.part")).unwrap() == kept);
+    }
+
+    #[test]
+    fn a_second_bake_to_the_same_output_is_refused() {
+        let place = sheet();
+        let mut command = place.command(&BAKE.replace("4096", "1000000"));
+        let mut child = command.stderr(Stdio::null()).spawn().unwrap();
+        while length(&place.path("sheet.safetensors.part")) == 0 {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        for more in ["", " --resume"] {
+            let message = place.failure(&format!("{BAKE}{more}"), 1);
+            assert!(message.contains("sheet.safetensors: another bake is writing it"), "{message}");
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_disk_that_is_full_leaves_the_old_file_and_the_checkpoint() {
+        let place = sheet();
+        fs::write(place.path("sheet.safetensors"), "precious").unwrap();
+        // The shell's limit on a file's size stands for the end of the disk; the result is larger, its checkpoint too.
+        let run = |limit_kib: u32, arguments: &str| {
+            let ylm = place.command(arguments);
+            let line = format!("trap '' XFSZ; ulimit -f {limit_kib}; exec \"$0\" \"$@\"");
+            let mut shell = std::process::Command::new("bash");
+            shell.current_dir(place.0.path()).args(["-c", &line]).arg(ylm.get_program()).args(ylm.get_args());
+            shell.output().unwrap()
+        };
+        let full = run(100, BAKE);
+        let message = String::from_utf8_lossy(&full.stderr).into_owned();
+        assert_eq!(full.status.code(), Some(1), "{message}");
+        assert!(message.lines().count() == 1 && message.contains("sheet.safetensors.part"), "{message}");
+        assert!(message.contains("--resume"), "{message}");
+        assert_eq!(fs::read(place.path("sheet.safetensors")).unwrap(), b"precious");
+        let bake = place.json(&format!("{BAKE} --resume"));
+        assert!(bake["resumed_points"].as_u64().unwrap() > 0, "{bake}");
+        let resumed = fs::read(place.path("sheet.safetensors")).unwrap();
+        place.json(BAKE);
+        assert!(fs::read(place.path("sheet.safetensors")).unwrap() == resumed);
+        assert_eq!(place.files(), ["cube.obj", "sheet.obj", "sheet.safetensors"]);
+    }
+}

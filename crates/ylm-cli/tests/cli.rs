@@ -4,7 +4,6 @@ mod place;
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use serde_json::Value;
 
@@ -197,40 +196,6 @@ fn info_tells_what_each_kind_of_file_holds() {
     let baked = place.json("info cube.safetensors");
     assert_eq!((&baked["kind"], &baked["bands"], &baked["points"]), (&"baked".into(), &3.into(), &8.into()));
     assert_eq!(place.json("info white.json")["kind"], "light");
-}
-
-#[test]
-#[cfg(unix)]
-fn ctrl_c_ends_a_bake_and_leaves_nothing() {
-    let place = Place::new();
-    // 200 × 200 quads of a wavy sheet at a million rays a point: hours of work.
-    let mut sheet = String::new();
-    let side = 200;
-    for y in 0..side {
-        for x in 0..side {
-            sheet += &format!("v {x} {} {y}\n", (x * y) % 7);
-        }
-    }
-    for y in 1..side {
-        for x in 1..side {
-            let i = y * side + x + 1;
-            sheet += &format!("f {} {} {} {}\n", i, i - 1, i - 1 - side, i - side);
-        }
-    }
-    fs::write(place.path("sheet.obj"), sheet).unwrap();
-    let before = place.files();
-    let mut child = place
-        .command("bake sheet.obj -o sheet.safetensors --rays 1000000")
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    std::thread::sleep(std::time::Duration::from_secs(2));
-    assert!(child.try_wait().unwrap().is_none(), "the bake ended before it could be interrupted");
-    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(1));
-    assert_eq!(String::from_utf8_lossy(&output.stderr), "ylm: interrupted; nothing was written\n");
-    assert_eq!(place.files(), before);
 }
 
 #[test]

@@ -1,9 +1,11 @@
 //! Files on disk: the only module that serialises. `docs/format.md` is the specification.
 
 mod baked;
+mod checkpoint;
 mod fault;
 mod light;
 
 pub use baked::{FORMAT_VERSION, read_baked, write_baked};
+pub use checkpoint::{Checkpoint, Existing, checkpoint_path};
 pub use fault::BakedFault;
 pub use light::write_light;

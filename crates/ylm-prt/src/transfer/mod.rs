@@ -4,6 +4,7 @@
 //! irradiance at p. [Green03] "SH Lighting Diffuse Surfaces"
 
 mod baked;
+mod journal;
 mod order;
 mod samples;
 mod settings;
@@ -12,6 +13,7 @@ mod sum;
 mod unshadowed;
 
 pub use baked::{BakeRecord, Baked, Precision};
+pub use journal::{Journal, Piece};
 pub use settings::{BakeSettings, TransferKind};
 pub use shadowed::visible_shares;
 
@@ -92,6 +94,23 @@ pub fn bake(
     settings: &BakeSettings,
     progress: &dyn Progress,
 ) -> Result<Transfer> {
+    bake_with_journal(points, bvh, settings, progress, &())
+}
+
+/// [`bake`] that leaves out what `journal` knows already, and tells it what it does: an interrupted bake that goes on
+/// ends in the same bytes as one that was not.
+///
+/// Cost beside that of the bake: a copy of its result. Unshadowed transfer, which takes no time, is not kept.
+///
+/// # Errors
+/// As [`bake`], and if `journal` fails.
+pub fn bake_with_journal(
+    points: &LightingPoints,
+    bvh: &Bvh,
+    settings: &BakeSettings,
+    progress: &dyn Progress,
+    journal: &dyn Journal,
+) -> Result<Transfer> {
     if points.normals.len() != points.positions.len() {
         return Err(Error::Request(format!(
             "{} positions have {} normals; each lighting point needs one",
@@ -101,7 +120,7 @@ pub fn bake(
     }
     match settings.kind {
         TransferKind::Unshadowed => unshadowed::bake(points, settings, progress),
-        TransferKind::Shadowed => shadowed::bake(points, bvh, settings, progress),
+        TransferKind::Shadowed => shadowed::bake(points, bvh, settings, progress, journal),
     }
 }
 

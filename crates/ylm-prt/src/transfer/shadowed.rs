@@ -10,7 +10,7 @@ use ylm::zonal::Zonal;
 use super::order::by_morton_code;
 use super::samples::{SampleSet, SampleSets, row_width};
 use super::sum::sum_rows;
-use super::{BakeSettings, Progress, Transfer};
+use super::{BakeSettings, Journal, Piece, Progress, Transfer};
 use crate::error::{Error, Result};
 use crate::scene::{Bvh, LightingPoints, Vantage};
 
@@ -30,11 +30,12 @@ pub fn bake(
     bvh: &Bvh,
     settings: &BakeSettings,
     progress: &dyn Progress,
+    journal: &dyn Journal,
 ) -> Result<Transfer> {
     let baker = Baker::new(points, bvh, settings, progress)?;
     let width = settings.bands.coeff_count();
     let mut vectors = super::zeros(points.positions.len(), width)?;
-    baker.each_batch(&mut vectors, width, |batch, scratch| baker.project_batch(batch, scratch))?;
+    baker.each_batch(&mut vectors, width, journal, |batch, scratch| baker.project_batch(batch, scratch))?;
     Ok(Transfer { bands: settings.bands, vectors })
 }
 
@@ -51,7 +52,7 @@ pub fn visible_shares(
 ) -> Result<Vec<f32>> {
     let baker = Baker::new(points, bvh, settings, progress)?;
     let mut shares = vec![0.0f32; points.positions.len()];
-    baker.each_batch(&mut shares, 1, |batch, scratch| {
+    baker.each_batch(&mut shares, 1, &(), |batch, scratch| {
         for (point, share) in batch {
             let (set, _) = baker.trace(*point, &mut scratch.blocked)?;
             let rays = set.directions.count();
@@ -82,6 +83,7 @@ struct Scratch {
     sum: Vec<f32>,
     local: Vec<f32>,
     world: Vec<f32>,
+    kept: Vec<f32>,
 }
 
 impl<'a> Baker<'a> {
@@ -113,11 +115,13 @@ impl<'a> Baker<'a> {
         Ok(Self { points, bvh, settings, progress, sets, unblocked, rotation })
     }
 
-    /// Calls `work` with up to [`BATCH`] points at a time, neighbours in space, and their rows of `values`.
+    /// Calls `work` with up to [`BATCH`] points at a time, neighbours in space, and their rows of `values`, but for what
+    /// `journal` has already.
     fn each_batch(
         &self,
         values: &mut [f32],
         width: usize,
+        journal: &dyn Journal,
         work: impl Fn(&mut Batch, &mut Scratch) -> Result<()> + Sync,
     ) -> Result<()> {
         let order = by_morton_code(&self.points.positions);
@@ -127,8 +131,22 @@ impl<'a> Baker<'a> {
         drop(rows);
         let rays = self.settings.rays as usize;
         let batches = (REPORT_RAYS / BATCH / rays).clamp(1, 16);
-        sorted.par_chunks_mut(BATCH * batches).try_for_each_init(Scratch::default, |scratch, chunk| {
+        let chunks = sorted.par_chunks_mut(BATCH * batches).enumerate();
+        chunks.try_for_each_init(Scratch::default, |scratch, (number, chunk)| {
+            let piece = Piece { pass: 0, number: number as u32 };
+            scratch.kept.resize(chunk.len() * width, 0.0);
+            if journal.recall(piece, &mut scratch.kept)? {
+                for ((_, row), kept) in chunk.iter_mut().zip(scratch.kept.chunks_exact(width)) {
+                    row.copy_from_slice(kept);
+                }
+                self.progress.advance(chunk.len(), 0);
+                return Ok(());
+            }
             chunk.chunks_mut(BATCH).try_for_each(|batch| work(batch, scratch))?;
+            for ((_, row), kept) in chunk.iter().zip(scratch.kept.chunks_exact_mut(width)) {
+                kept.copy_from_slice(row);
+            }
+            journal.record(piece, &scratch.kept)?;
             self.progress.advance(chunk.len(), (chunk.len() * rays) as u64);
             Ok(())
         })
