@@ -13,6 +13,7 @@ mod progress;
 mod render;
 mod shading;
 mod source;
+mod view;
 
 use std::process::ExitCode;
 

@@ -267,14 +267,14 @@ pub fn finite(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|value: &f32| value.is_finite()).ok_or("must be a finite number".to_owned())
 }
 
+/// A finite number above 0.
+pub fn positive(text: &str) -> Result<f32, String> {
+    finite(text).ok().filter(|value| *value > 0.0).ok_or("must be a finite number above 0".to_owned())
+}
+
 /// A number from 0 to below 1.
 pub fn fraction(text: &str) -> Result<f32, String> {
     finite(text).ok().filter(|value| (0.0..1.0).contains(value)).ok_or("must be from 0 to below 1".to_owned())
-}
-
-/// A finite number above 0.
-pub fn positive(text: &str) -> Result<f32, String> {
-    finite(text).ok().filter(|value| *value > 0.0).ok_or("must be a number above 0".to_owned())
 }
 
 /// Finite numbers between commas.

@@ -13,7 +13,7 @@ use ylm_prt::format::read_baked;
 use ylm_prt::image::Image;
 use ylm_prt::light::{Light, Source};
 use ylm_prt::reference::Occlusion;
-use ylm_prt::render::{Raster, ToneMap, develop, render};
+use ylm_prt::render::{Colours, Raster, ToneMap, develop, render_in};
 use ylm_prt::shade::{Far, Shadowed};
 use ylm_prt::transfer::Baked;
 
@@ -23,6 +23,7 @@ use crate::light::mean_radiance;
 use crate::options::{self, CameraPlace, Exposure, LightOptions};
 use crate::output::{Output, path_value};
 use crate::shading::{self, Shaded};
+use crate::view::{self, Shading, ViewOptions};
 
 /// Draw a baked scene under a light
 #[derive(clap::Args)]
@@ -38,9 +39,11 @@ pub struct Arguments {
     /// The picture to write: .png, or .exr for linear radiance
     #[arg(short, long, value_name = "PICTURE", value_parser = PathBufValueParser::new().try_map(options::picture))]
     output: PathBuf,
-    /// How vertices are lit
+    /// How vertices are lit, or what is shown of it
     #[arg(long, value_enum, default_value_t = Shading::Diffuse)]
     shading: Shading,
+    #[command(flatten)]
+    view: ViewOptions,
     /// Use the light's first N bands only; with --shading reference, light by what they hold
     #[arg(long, value_parser = options::bands, value_name = "N")]
     light_bands: Option<Bands>,
@@ -70,14 +73,6 @@ pub struct Arguments {
     background: Background,
 }
 
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum Shading {
-    /// Dot products of baked transfer and the light's coefficients
-    Diffuse,
-    /// Brute force: rays from every vertex into the light, no spherical harmonics
-    Reference,
-}
-
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum Background {
     /// The light itself
@@ -94,6 +89,14 @@ impl Arguments {
     pub fn check(&self) -> Result<(), String> {
         if options::has_extension(&self.output, "exr") && self.tonemap != ToneMap::None {
             return Err("--tonemap is for .png; an .exr holds linear radiance".to_owned());
+        }
+        self.view.check(self.shading)?;
+        let is_developed = self.exposure != Exposure::Stops(0.0) || self.tonemap != ToneMap::None;
+        if self.shading.is_false_colour() && is_developed {
+            return Err(
+                "--exposure and --tonemap would change what false colours stand for; --full scales them"
+                    .to_owned(),
+            );
         }
         if matches!(self.shading, Shading::Reference)
             && self.light_bands.is_none()
@@ -123,7 +126,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     let shade_start = Instant::now();
     let shaded = shade(arguments, &baked, &light, &stage)?;
     let shade_seconds = shade_start.elapsed().as_secs_f64();
-    if shaded.negative_count() > 0 {
+    if shaded.negative_count() > 0 && !arguments.shading.is_false_colour() {
         output.warn(&format!(
             "{} of {} points have negative radiance: the light rings at these bands; a --window damps it",
             shaded.negative_count(),
@@ -140,24 +143,34 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         Background::Light => light.radiance(direction),
         Background::Black => Vec3::ZERO,
     };
+    let coeffs = arguments.options.project(&light, baked.transfer.bands)?;
     let mut radiance = shaded.radiance.clone();
-    radiance.extend(stage.light_balls(&arguments.options.project(&light, baked.transfer.bands)?));
-    let image = render(&stage.points, &stage.bvh, &radiance, &camera, &raster, &background)?;
-    let mean = mean_radiance(&light.project(Bands::new(1)?)?);
-    write_picture(arguments, image, arguments.exposure.stops(mean))?;
+    radiance.extend(stage.light_balls(&arguments.view.part_of(coeffs)?));
+    let colours = arguments.view.colours(arguments.shading, &radiance);
+    let draw = |colours, background: &(dyn Fn(Vec3) -> Vec3 + Sync)| {
+        render_in(colours, &stage.points, &stage.bvh, &radiance, &camera, &raster, background)
+    };
+    if arguments.shading.is_false_colour() && !options::has_extension(&arguments.output, "exr") {
+        write_picture(arguments, draw(colours, &view::ground)?, 0.0)?;
+    } else {
+        let mean = mean_radiance(&light.project(Bands::new(1)?)?);
+        write_picture(arguments, draw(Colours::Radiance, &background)?, arguments.exposure.stops(mean))?;
+    }
     let render_seconds = render_start.elapsed().as_secs_f64();
 
-    let shading = format!("{:?}", arguments.shading).to_lowercase();
+    let shading = arguments.shading.name();
     let noise = shaded.noise.map_or(String::new(), |noise| format!(", noise {:.2} %", 100.0 * noise));
     let text = format!(
-        "{}: {width}×{height}, {shading} shading{noise}; {:.2} s\n",
+        "{}: {width}×{height}, {shading} shading{noise}{}; {:.2} s\n",
         arguments.output.display(),
+        view::scale_text(colours),
         start.elapsed().as_secs_f64()
     );
     let value = json!({
         "output": path_value(&arguments.output), "size": [width, height], "light": arguments.light, "repaired": options::repaired_count(&light), "shading": shading,
         "bands": baked.transfer.bands.count(), "light_bands": arguments.light_bands.map(Bands::count),
-        "balls": arguments.balls.json(), "points": shaded.radiance.len(), "radiance": shaded.statistics(), "noise": shaded.noise,
+        "band": arguments.view.band(), "scale": view::scale_value(colours), "balls": arguments.balls.json(),
+        "points": shaded.radiance.len(), "radiance": shaded.statistics(), "noise": shaded.noise,
         "shade_seconds": shade_seconds, "render_seconds": render_seconds, "seconds": start.elapsed().as_secs_f64(),
     });
     output.result(&text, &value);
@@ -167,9 +180,9 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
 fn shade(arguments: &Arguments, baked: &Baked, light: &Light, stage: &Stage) -> error::Result<Shaded> {
     let coeffs = |bands| arguments.options.project(light, bands);
     match (arguments.shading, arguments.light_bands) {
-        (Shading::Diffuse, bands) => {
+        (Shading::Diffuse | Shading::Band, bands) => {
             let bands = bands.map_or(baked.transfer.bands, |bands| bands.min(baked.transfer.bands));
-            let light = coeffs(bands)?;
+            let light = arguments.view.part_of(coeffs(bands)?)?;
             match arguments.balls.shadow() {
                 None => Ok(shading::diffuse(baked, &light)),
                 Some(BallShadow::Object) => {

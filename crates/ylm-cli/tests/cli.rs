@@ -39,6 +39,31 @@ fn a_convex_model_under_white_shows_its_albedo() {
 }
 
 #[test]
+fn bands_alone_add_up_and_are_shown_by_sign() {
+    let place = Place::new();
+    place.json("bake cube.obj -o cube.safetensors --bands 3 --rays 64");
+    let light = "--light disc?dir=0,1,1&angle=20 --size 32x32";
+    let mean = |render: &Value| render["radiance"]["mean"][0].as_f64().unwrap();
+    let whole = place.json(&format!("render cube.safetensors {light} -o whole.exr"));
+    let bands: Vec<Value> = (0..3)
+        .map(|l| {
+            place.json(&format!("render cube.safetensors {light} -o band.png --shading band --band {l}"))
+        })
+        .collect();
+    // Dot products of 9 numbers below 1 in f32, in another order.
+    assert!((bands.iter().map(mean).sum::<f64>() - mean(&whole)).abs() <= 1e-6);
+    // What faces away from the disc has less in band 1, and the scale is the largest magnitude.
+    let (least, most) = (&bands[1]["radiance"]["min"][0], &bands[1]["radiance"]["max"][0]);
+    let largest = most.as_f64().unwrap().max(-least.as_f64().unwrap());
+    assert!(least.as_f64().unwrap() < 0.0);
+    assert!((bands[1]["scale"][1].as_f64().unwrap() - largest).abs() <= 1e-6 * largest, "{}", bands[1]);
+    let message =
+        place.failure(&format!("render cube.safetensors {light} -o no.png --shading band --band 3"), 1);
+    assert!(message.contains("bands are 0 to 2"), "{message}");
+    assert!(!place.path("no.png").exists());
+}
+
+#[test]
 fn the_same_bake_gives_the_same_bytes_for_any_number_of_threads() {
     let place = Place::new();
     let bytes = |threads: usize| {
@@ -102,6 +127,11 @@ fn wrong_usage_has_exit_status_2() {
         "render a.safetensors --light white -o a.exr --tonemap agx",
         "render a.safetensors --light white -o a.png --shading reference --window hann:4",
         "render a.safetensors --light white -o a.png --shading adaptive",
+        "render a.safetensors --light white -o a.png --shading band",
+        "render a.safetensors --light white -o a.png --band 1",
+        "render a.safetensors --light white -o a.png --full 1",
+        "render a.safetensors --light white -o a.png --shading band --band 1 --full 0",
+        "render a.safetensors --light white -o a.png --shading band --band 1 --tonemap aces",
         "render a.safetensors --light white -o a.png --camera 0,91",
         "light white -o white.hdr",
         "render a.safetensors --light white -o a.png --size 0x0",

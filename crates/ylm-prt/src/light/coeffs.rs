@@ -101,6 +101,23 @@ impl LightCoeffs {
         Self { bands, channels }
     }
 
+    /// Band `l` alone, the other coefficients 0: what this band adds to the light.
+    ///
+    /// # Errors
+    /// If the light has no such band.
+    pub fn only_band(&self, l: usize) -> Result<Self> {
+        let count = self.bands.count();
+        if l >= count {
+            return Err(Error::Request(format!("band {l} is not there: the bands are 0 to {}", count - 1)));
+        }
+        let mut band = self.clone();
+        for channel in &mut band.channels {
+            channel[..l * l].fill(0.0);
+            channel[(l + 1) * (l + 1)..].fill(0.0);
+        }
+        Ok(band)
+    }
+
     /// The light turned by a rotation: what came from d comes from `rotation` d.
     ///
     /// # Errors

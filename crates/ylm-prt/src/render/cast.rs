@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
+use super::false_colour::Colours;
 use crate::error::{Error, Result};
 use crate::image::{Image, MAX_TEXELS};
 use crate::scene::{Bvh, Camera, LightingPoints};
@@ -66,6 +67,25 @@ pub fn render(
     raster: &Raster,
     background: &(dyn Fn(Vec3) -> Vec3 + Sync),
 ) -> Result<Image> {
+    render_in(Colours::Radiance, points, bvh, radiance, camera, raster, background)
+}
+
+/// [`render`], with radiance shown in other colours, to be developed without exposure or tone map.
+///
+/// Interpolated radiance takes its colour before the pixel's filter, so edges are as smooth; the background is seen as it
+/// is.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_in(
+    colours: Colours,
+    points: &LightingPoints,
+    bvh: &Bvh,
+    radiance: &[Vec3],
+    camera: &Camera,
+    raster: &Raster,
+    background: &(dyn Fn(Vec3) -> Vec3 + Sync),
+) -> Result<Image> {
     raster.check()?;
     if radiance.len() != points.positions.len() {
         return Err(Error::Request(format!(
@@ -82,7 +102,7 @@ pub fn render(
                 let [a, b, c] =
                     points.triangles[hit.triangle as usize].map(|corner| radiance[corner as usize]);
                 let [v, w] = hit.barycentric;
-                (1.0 - v - w) * a + v * b + w * c
+                colours.of((1.0 - v - w) * a + v * b + w * c)
             }
             None => background(ray.direction),
         }
@@ -181,6 +201,18 @@ mod tests {
             let away = Vec3::from(image.pixels[0]);
             assert!((away.normalize() - camera.ray(Vec2::splat(0.5), 9, 9).direction).length() <= 0.02);
         }
+    }
+
+    #[test]
+    fn false_colours_fill_the_surface_and_leave_the_background() {
+        let (points, bvh) = square();
+        let camera = Camera::orbit(&points.positions, &front(), 8.0).unwrap();
+        let raster = Raster { width: 9, height: 9, samples: 4 };
+        let colours = Colours::Signed { full: 2.0 };
+        let image =
+            render_in(colours, &points, &bvh, &[-Vec3::ONE; 4], &camera, &raster, &|_| Vec3::ONE).unwrap();
+        assert_eq!(image.pixels[40], colours.of(-Vec3::ONE).to_array());
+        assert_eq!(image.pixels[0], [1.0; 3]);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
+use super::false_colour::heat_colour;
 use crate::error::{Error, Result};
 use crate::image::{Image, Picture, ReadOptions};
 
@@ -141,7 +142,7 @@ pub enum ErrorScale {
     },
 }
 
-/// The difference of two linear pictures in false colours: matplotlib's inferno, evenly spaced to the eye.
+/// The difference of two linear pictures in false colours; see [`heat_colour`].
 ///
 /// # Errors
 /// If the sizes differ or the full scale is not positive.
@@ -163,15 +164,9 @@ pub fn error_picture(image: &Image, reference: &Image, scale: ErrorScale) -> Res
     let pixels = image.pixels.iter().zip(&reference.pixels).zip(lengths()).map(|((&a, &b), length)| {
         let error = (Vec3::from(a) - Vec3::from(b)).length();
         let unit = floor.map_or(1.0, |floor| length.max(floor));
-        false_colour(error / unit / full)
+        heat_colour(error / unit / full)
     });
     Ok(Picture { width: image.width, height: image.height, pixels: pixels.collect() })
-}
-
-/// The colour of an error from 0 (black) to 1 (pale yellow), as in [`error_picture`]; for legends.
-pub fn false_colour(error: f32) -> [u8; 3] {
-    let colour = colorous::INFERNO.eval_continuous(error.clamp(0.0, 1.0) as f64);
-    [colour.r, colour.g, colour.b]
 }
 
 #[cfg(test)]
@@ -234,19 +229,11 @@ mod tests {
     }
 
     #[test]
-    fn false_colours_rise_in_lightness_from_black() {
-        let lightness = |error: f32| {
-            let [r, g, b] = false_colour(error).map(|code| code as f32);
-            0.2126 * r + 0.7152 * g + 0.0722 * b
-        };
-        assert!(lightness(0.0) <= 2.0);
-        for step in 0..100 {
-            assert!(lightness((step + 1) as f32 / 100.0) >= lightness(step as f32 / 100.0));
-        }
+    fn the_full_scale_is_the_last_colour() {
         let picture =
             error_picture(&image(&[1.0, 1.1, 9.0]), &image(&[1.0; 3]), ErrorScale::Relative { full: 0.1 })
                 .unwrap();
-        assert_eq!(picture.pixels[0], false_colour(0.0));
-        assert_eq!(picture.pixels[2], false_colour(1.0));
+        assert_eq!(picture.pixels[0], heat_colour(0.0));
+        assert_eq!(picture.pixels[2], heat_colour(1.0));
     }
 }

@@ -3,9 +3,11 @@
 mod cast;
 mod contact_sheet;
 mod difference;
+mod false_colour;
 mod tonemap;
 
-pub use cast::{Raster, backdrop, render};
+pub use cast::{Raster, backdrop, render, render_in};
 pub use contact_sheet::{Frame, Sheet, contact_sheet};
-pub use difference::{Difference, ErrorScale, compare, compare_files, error_picture, false_colour};
+pub use difference::{Difference, ErrorScale, compare, compare_files, error_picture};
+pub use false_colour::{Colours, heat_colour, signed_colour};
 pub use tonemap::{ToneMap, develop, linear_from_srgb, srgb_from_linear};

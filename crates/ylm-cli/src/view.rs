@@ -1,0 +1,108 @@
+//! What a picture shows of the light that leaves a scene: all of it, or a part of it in false colours.
+
+use glam::Vec3;
+use serde_json::{Value, json};
+use ylm_prt::error::Result;
+use ylm_prt::light::LightCoeffs;
+use ylm_prt::render::Colours;
+
+use crate::options;
+
+/// `--shading`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Shading {
+    /// Dot products of baked transfer and the light's coefficients
+    Diffuse,
+    /// Brute force: rays from every vertex into the light, no spherical harmonics
+    Reference,
+    /// What --band alone adds, in false colours of its luminance: blue below 0, white at 0, red above
+    Band,
+}
+
+/// Past the model in false colours: darker than any of them, so that the model's outline is seen.
+const GROUND: Vec3 = Vec3::splat(0.02);
+
+impl Shading {
+    /// Whether colours stand for numbers.
+    pub fn is_false_colour(self) -> bool {
+        matches!(self, Self::Band)
+    }
+
+    /// For the report.
+    pub fn name(self) -> String {
+        format!("{self:?}").to_lowercase()
+    }
+}
+
+/// What the false-colour views take.
+#[derive(clap::Args)]
+pub struct ViewOptions {
+    /// The band of --shading band, from 0
+    #[arg(long, value_name = "L", required_if_eq("shading", "band"))]
+    band: Option<usize>,
+    /// The luminance that false colours show as their last (default: the largest there is)
+    #[arg(long, value_parser = options::positive, value_name = "LUMINANCE")]
+    full: Option<f32>,
+}
+
+impl ViewOptions {
+    /// Options without effect are wrong usage.
+    ///
+    /// # Errors
+    /// The line that says so.
+    pub fn check(&self, shading: Shading) -> std::result::Result<(), String> {
+        if self.band.is_some() && shading != Shading::Band {
+            return Err("--band is for --shading band".to_owned());
+        }
+        if self.full.is_some() && !shading.is_false_colour() {
+            return Err(format!("--full is for false colours, and --shading {} has none", shading.name()));
+        }
+        Ok(())
+    }
+
+    /// The part of the light that is shown.
+    ///
+    /// # Errors
+    /// If the light does not have the band.
+    pub fn part_of(&self, light: LightCoeffs) -> Result<LightCoeffs> {
+        match self.band {
+            Some(l) => light.only_band(l),
+            None => Ok(light),
+        }
+    }
+
+    /// How radiance is coloured.
+    pub fn colours(&self, shading: Shading, radiance: &[Vec3]) -> Colours {
+        match (shading, self.full) {
+            (Shading::Diffuse | Shading::Reference, _) => Colours::Radiance,
+            (Shading::Band, Some(full)) => Colours::Signed { full },
+            (Shading::Band, None) => Colours::signed_to_fit(radiance),
+        }
+    }
+
+    /// For `--json`.
+    pub fn band(&self) -> Option<usize> {
+        self.band
+    }
+}
+
+/// What is seen past the model in false colours.
+pub fn ground(_direction: Vec3) -> Vec3 {
+    GROUND
+}
+
+/// The scale of false colours in words, with a comma before them.
+pub fn scale_text(colours: Colours) -> String {
+    match colours {
+        Colours::Radiance => String::new(),
+        Colours::Signed { full } => format!(", blue −{full:.4} to red +{full:.4}"),
+    }
+}
+
+/// For `--json`: the luminance of the first and the last colour.
+pub fn scale_value(colours: Colours) -> Value {
+    match colours {
+        Colours::Radiance => Value::Null,
+        Colours::Signed { full } => json!([-full, full]),
+    }
+}

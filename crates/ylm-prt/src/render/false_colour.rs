@@ -1,0 +1,99 @@
+//! Colours that stand for numbers, and pictures of a scene in them.
+
+use glam::Vec3;
+
+use super::tonemap::{LUMINANCE, linear_from_srgb};
+
+/// The colour of a magnitude from 0 (black) to 1 (pale yellow): matplotlib's inferno, evenly spaced to the eye.
+pub fn heat_colour(magnitude: f32) -> [u8; 3] {
+    let colour = colorous::INFERNO.eval_continuous(magnitude.clamp(0.0, 1.0).into());
+    [colour.r, colour.g, colour.b]
+}
+
+/// The colour of a signed value: blue at −1, near white at 0, red at 1. ColorBrewer's RdBu, told apart by everyone.
+pub fn signed_colour(value: f32) -> [u8; 3] {
+    let colour = colorous::RED_BLUE.eval_continuous(f64::from(0.5 - 0.5 * value.clamp(-1.0, 1.0)));
+    [colour.r, colour.g, colour.b]
+}
+
+/// What the colours of a picture stand for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Colours {
+    /// Themselves: radiance, to be exposed and tone mapped.
+    #[default]
+    Radiance,
+    /// The luminance of radiance that may be negative, by [`signed_colour`].
+    Signed {
+        /// The luminance that is shown as the last colour, as is all beyond it.
+        full: f32,
+    },
+}
+
+impl Colours {
+    /// The linear colour that shows a radiance.
+    pub fn of(self, radiance: Vec3) -> Vec3 {
+        match self {
+            Self::Radiance => radiance,
+            Self::Signed { full } => linear(signed_colour(LUMINANCE.dot(radiance) / full)),
+        }
+    }
+
+    /// The signed colours whose last colours are the largest magnitude among these radiances; all 0 leaves a scale of 1.
+    pub fn signed_to_fit(radiance: &[Vec3]) -> Self {
+        let magnitude = |radiance: &Vec3| LUMINANCE.dot(*radiance).abs();
+        let most = radiance.iter().map(magnitude).fold(0.0, f32::max);
+        Self::Signed { full: if most > 0.0 { most } else { 1.0 } }
+    }
+}
+
+fn linear(code: [u8; 3]) -> Vec3 {
+    Vec3::from(code.map(|code| linear_from_srgb(f32::from(code) / 255.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Image;
+    use crate::render::{ToneMap, develop};
+
+    fn lightness(code: [u8; 3]) -> f32 {
+        LUMINANCE.dot(Vec3::from(code.map(f32::from)))
+    }
+
+    #[test]
+    fn heat_rises_in_lightness_from_black() {
+        assert!(lightness(heat_colour(0.0)) <= 2.0);
+        for step in 0..100 {
+            assert!(
+                lightness(heat_colour((step + 1) as f32 / 100.0))
+                    >= lightness(heat_colour(step as f32 / 100.0))
+            );
+        }
+    }
+
+    #[test]
+    fn zero_is_neutral_and_signs_are_blue_and_red() {
+        // The B-spline through ColorBrewer's colours leaves (242, 239, 238) of its white.
+        let [r, g, b] = signed_colour(0.0);
+        assert!(r.abs_diff(b) <= 4 && g >= 239, "{r} {g} {b}");
+        for step in 1..=10 {
+            let value = step as f32 / 10.0;
+            let ([r, _, b], [r_below, _, b_below]) = (signed_colour(value), signed_colour(-value));
+            assert!(r > b && b_below > r_below, "{value}");
+            assert!(lightness(signed_colour(value)) < lightness(signed_colour(value - 0.1)));
+            assert!(lightness(signed_colour(-value)) < lightness(signed_colour(0.1 - value)));
+        }
+        assert_eq!(signed_colour(7.0), signed_colour(1.0));
+    }
+
+    #[test]
+    fn a_developed_picture_has_the_colours_of_its_scale() {
+        let radiance = [-2.0, 0.0, 1.0, 2.0, 5.0].map(Vec3::splat);
+        let colours = Colours::Signed { full: 2.0 };
+        let pixels = radiance.map(|radiance| colours.of(radiance).to_array()).to_vec();
+        let picture = develop(&Image { width: 5, height: 1, pixels }, 0.0, ToneMap::None);
+        assert_eq!(picture.pixels, [-1.0, 0.0, 0.5, 1.0, 1.0].map(signed_colour));
+        assert_eq!(Colours::signed_to_fit(&radiance[..4]), colours);
+        assert_eq!(Colours::signed_to_fit(&[Vec3::ZERO]), Colours::Signed { full: 1.0 });
+    }
+}
