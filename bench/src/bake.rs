@@ -117,14 +117,7 @@ pub fn run(options: &Options) -> Vec<Table> {
 
 fn settings(bands: usize, rays: u32) -> BakeSettings {
     let bands = Bands::new(bands).expect("bands of this table");
-    BakeSettings {
-        bands,
-        kind: TransferKind::Shadowed,
-        rays,
-        seed: 1,
-        bias: BakeSettings::BIAS,
-        t_max: f32::INFINITY,
-    }
+    BakeSettings { bands, kind: TransferKind::Shadowed, rays, seed: 1, ..BakeSettings::default() }
 }
 
 /// Lighting points and hierarchy of a mesh, and the seconds that building took.
@@ -206,7 +199,7 @@ pub fn run_memory(options: &Options) -> Vec<Table> {
     let transfer = bake(&points, &bvh, &settings(bands, rays), &()).expect("rays to cast");
     let peak = (machine::peak_bytes() - idle) as f64;
     let output = size_of_val(transfer.vectors.as_slice()) as f64;
-    let LightingPoints { positions, normals, albedo, triangles } = &points;
+    let LightingPoints { positions, normals, albedo, triangles, .. } = &points;
     let mesh_bytes = size_of_val(positions.as_slice())
         + size_of_val(normals.as_slice())
         + size_of_val(albedo.as_slice())

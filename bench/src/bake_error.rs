@@ -53,7 +53,7 @@ pub fn run(options: &Options) -> Vec<Table> {
     let path = options.data.join("meshes").join(MESH);
     let points = Mesh::open(&path, &ReadOptions::default()).and_then(|m| LightingPoints::from_mesh(&m));
     let scene = match points {
-        Ok(points) => Scene::new(points, stride),
+        Ok(points) => Scene::new(&points, stride),
         Err(error) => {
             eprintln!("left out: {error}");
             return vec![within, full];
@@ -101,21 +101,14 @@ struct Scene {
 }
 
 impl Scene {
-    fn new(mut points: LightingPoints, stride: usize) -> Self {
+    fn new(points: &LightingPoints, stride: usize) -> Self {
         let bvh = Bvh::build(&points.positions, &points.triangles);
-        points = LightingPoints {
-            positions: points.positions.into_iter().step_by(stride).collect(),
-            normals: points.normals.into_iter().step_by(stride).collect(),
-            albedo: points.albedo.into_iter().step_by(stride).collect(),
-            triangles: Vec::new(),
-        };
-        Self { points, bvh }
+        Self { points: points.step_by(stride), bvh }
     }
 
     fn bake(&self, bands: Bands, rays: u32) -> Baked {
         let kind = TransferKind::Shadowed;
-        let settings =
-            BakeSettings { bands, kind, rays, seed: 1, bias: BakeSettings::BIAS, t_max: f32::INFINITY };
+        let settings = BakeSettings { bands, kind, rays, seed: 1, ..BakeSettings::default() };
         let transfer = bake(&self.points, &self.bvh, &settings, &()).expect("rays to cast");
         let record = BakeRecord::new(&settings, vec![MESH.to_owned()], String::new());
         Baked { points: self.points.clone(), blockers: Blockers::default(), transfer, record }

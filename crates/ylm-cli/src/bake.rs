@@ -125,12 +125,9 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         arguments.models.iter().chain(&arguments.blockers).map(PathBuf::as_path).collect();
     check_destination(&arguments.output, &models)?;
     let start = Instant::now();
-    let mut source = read_models(&arguments.models, &arguments.model, output)?;
+    let source = read_models(&arguments.models, &arguments.model, arguments.albedo, output)?;
     let blockers = read_blockers(&arguments.blockers, &arguments.model, output)?;
     blockers.meshes.check_beside(&source.points)?;
-    if let Some(albedo) = arguments.albedo {
-        source.points.albedo.fill(albedo);
-    }
     let kind = match arguments.transfer {
         Transfer::Unshadowed => TransferKind::Unshadowed,
         Transfer::Shadowed => TransferKind::Shadowed,
@@ -142,6 +139,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         seed: arguments.seed,
         bias: arguments.bias,
         t_max: arguments.t_max.unwrap_or(f32::INFINITY),
+        ..BakeSettings::default()
     };
     let checkpoint = open_checkpoint(arguments, &source.points, &blockers.meshes, &settings, output)?;
     let bvh = Bvh::of_scene(&source.points, &blockers.meshes);

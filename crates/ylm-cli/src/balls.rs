@@ -127,7 +127,7 @@ impl BallOptions {
         if mesh.triangles.is_empty() {
             return Ok(None);
         }
-        mesh.albedo = Some(vec![ALBEDO; mesh.positions.len()]);
+        mesh.paint(ALBEDO);
         let points = LightingPoints::from_mesh(&mesh)?;
         let settings = BakeSettings {
             bands: baked.transfer.bands,
@@ -136,6 +136,7 @@ impl BallOptions {
             seed: 0,
             bias: BakeSettings::BIAS,
             t_max: f32::INFINITY,
+            ..BakeSettings::default()
         };
         let transfer = bake(&points, &Bvh::build(&[], &[]), &settings, &())?;
         let record = BakeRecord::new(&settings, Vec::new(), String::new());

@@ -148,9 +148,7 @@ impl Demo {
             bands: arguments.bands,
             kind: TransferKind::Shadowed,
             rays: arguments.rays,
-            seed: 0,
-            bias: BakeSettings::BIAS,
-            t_max: f32::INFINITY,
+            ..BakeSettings::default()
         };
         let progress = BakeProgress::new(output, points.positions.len());
         let bake_as = |kind| -> Result<Baked> {

@@ -1,5 +1,6 @@
 //! `ylm info`: what a file holds; reading it validates it.
 
+use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::Read;
@@ -10,7 +11,7 @@ use ylm_prt::error::{Error, Result};
 use ylm_prt::format::read_baked;
 use ylm_prt::image::{Image, ReadOptions};
 use ylm_prt::light::{LightCoeffs, Probe};
-use ylm_prt::scene::{LightingPoints, Mesh, Topology};
+use ylm_prt::scene::{LightingPoints, Material, Mesh, Topology};
 use ylm_prt::transfer::Precision;
 
 use crate::output::Output;
@@ -86,7 +87,10 @@ fn mesh(path: &Path, options: &ModelOptions, output: &Output) -> Result<Map<Stri
         "triangles": mesh.triangles.len(),
         "lighting_points": point_count,
         "normals": mesh.normals.is_some(),
-        "albedo": mesh.albedo.is_some(),
+        "albedo": mesh.materials.is_some(),
+        "materials": material_count(&mesh),
+        "mean_albedo": mean_albedo(&mesh),
+        "emissive_triangles": emissive_count(&mesh),
         "closed": welded.is_closed(),
         "components": welded.component_count,
         "boundary_edges": welded.boundary_edge_count,
@@ -97,10 +101,42 @@ fn mesh(path: &Path, options: &ModelOptions, output: &Output) -> Result<Map<Stri
         "dropped_vertices": repairs.dropped_vertex_count,
         "dropped_faces": repairs.dropped_face_count,
         "whitened_vertices": repairs.whitened_vertex_count,
+        "missing": repairs.missing,
         "bounds": mesh.bounds().map(|bounds| bounds.map(|corner| corner.to_array())),
         "surface_area": mesh.surface_area(),
         "signed_volume": welded.is_closed().then(|| mesh.signed_volume()),
     })))
+}
+
+/// How many different materials the corners have; with pictures or colours of vertices, as many as those give.
+fn material_count(mesh: &Mesh) -> usize {
+    let Some(materials) = &mesh.materials else { return 0 };
+    let bits = |index: u32| {
+        let Material { albedo: [r, g, b], emission: [x, y, z] } = materials.values[index as usize];
+        [r, g, b, x, y, z].map(f32::to_bits)
+    };
+    materials.triangles.as_flattened().iter().map(|&index| bits(index)).collect::<HashSet<_>>().len()
+}
+
+/// The albedo of the surface's mean point.
+fn mean_albedo(mesh: &Mesh) -> Option<[f64; 3]> {
+    let mut sum = [0.0; 3];
+    let mut total = 0.0;
+    for triangle in 0..mesh.triangles.len() {
+        let [a, b, c] = mesh.corners(triangle);
+        let area = 0.5 * (b - a).cross(c - a).length();
+        total += area;
+        for k in 0..3 {
+            let albedo = mesh.material(triangle, k).albedo;
+            (0..3).for_each(|channel| sum[channel] += area / 3.0 * f64::from(albedo[channel]));
+        }
+    }
+    (total > 0.0).then(|| sum.map(|sum| sum / total))
+}
+
+fn emissive_count(mesh: &Mesh) -> usize {
+    let emits = |triangle: usize| (0..3).any(|k| mesh.material(triangle, k).emission != [0.0; 3]);
+    (0..mesh.triangles.len()).filter(|&triangle| emits(triangle)).count()
 }
 
 fn probe(path: &Path, options: &ReadOptions) -> Result<Map<String, Value>> {
@@ -141,6 +177,10 @@ fn baked(path: &Path) -> Result<Map<String, Value>> {
         "blockers": record.blockers,
         "blocker_triangles": baked.blockers.triangles.len(),
         "half": record.precision == Precision::Half,
+        "emissive": baked.points.emission.is_some(),
+        "bounces": baked.transfer.bounced.as_ref().map(|bounced| bounced.energies.len()),
+        "bounce_energies": baked.transfer.bounced.as_ref().map(|bounced| &bounced.energies),
+        "bounce_threshold": record.bounce_threshold,
         "source": record.source,
         "source_sha256": record.source_sha256,
         "ylm_version": record.ylm_version,

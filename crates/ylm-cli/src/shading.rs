@@ -42,7 +42,9 @@ pub fn reference(baked: &Baked, drawn: &Bvh, light: &Light, rays: u32) -> Result
     let with_blockers = (!baked.blockers.is_empty()).then(|| Bvh::of_scene(&baked.points, &baked.blockers));
     let occlusion = match baked.record.kind {
         TransferKind::Unshadowed => Occlusion::None,
-        TransferKind::Shadowed => Occlusion::By(with_blockers.as_ref().unwrap_or(drawn)),
+        TransferKind::Shadowed | TransferKind::Interreflected => {
+            Occlusion::By(with_blockers.as_ref().unwrap_or(drawn))
+        }
     };
     reference_behind(baked, occlusion, light, rays)
 }

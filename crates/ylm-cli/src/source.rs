@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use ylm_prt::error::{Error, Result};
 use ylm_prt::image;
-use ylm_prt::scene::{Blockers, LightingPoints, Mesh, NonFinite, ReadOptions, Repairs, UpAxis};
+use ylm_prt::scene::{AlbedoSource, Blockers, LightingPoints, Mesh, NonFinite, ReadOptions, Repairs, UpAxis};
 
 use crate::output::Output;
 
@@ -33,6 +33,7 @@ impl ModelOptions {
     /// For the readers.
     pub fn read_options(&self) -> ReadOptions {
         ReadOptions {
+            albedo: AlbedoSource::File,
             non_finite: if self.repair { NonFinite::Drop } else { NonFinite::Refuse },
             up: match self.up {
                 Up::Y => UpAxis::Y,
@@ -72,30 +73,39 @@ impl Changes {
         self.repairs.dropped_vertex_count += more.dropped_vertex_count;
         self.repairs.dropped_face_count += more.dropped_face_count;
         self.repairs.whitened_vertex_count += more.whitened_vertex_count;
+        self.repairs.missing.extend(more.missing.iter().cloned());
     }
 
-    /// For `--json`: how many of each were left out, and how many vertices made white.
+    /// For `--json`: how many of each were left out, how many vertices made white, and what was not there.
     pub fn value(&self) -> Value {
         json!({
             "degenerate_triangles": self.degenerate_triangle_count,
             "vertices": self.repairs.dropped_vertex_count,
             "faces": self.repairs.dropped_face_count,
             "whitened_vertices": self.repairs.whitened_vertex_count,
+            "missing": self.repairs.missing,
         })
     }
 }
 
-/// Reads models and joins them.
+/// Reads models and joins them; `albedo` takes the place of their own.
 ///
 /// # Errors
 /// If a file cannot be read, or there is no triangle in all of them.
-pub fn read_models(paths: &[PathBuf], options: &ModelOptions, output: &Output) -> Result<Source> {
+pub fn read_models(
+    paths: &[PathBuf],
+    options: &ModelOptions,
+    albedo: Option<[f32; 3]>,
+    output: &Output,
+) -> Result<Source> {
+    let source = if albedo.is_some() { AlbedoSource::White } else { AlbedoSource::File };
+    let read_options = ReadOptions { albedo: source, ..options.read_options() };
     let mut mesh = Mesh::default();
     let mut hash = Sha256::new();
     let mut names = Vec::new();
     let mut changes = Changes::default();
     for path in paths {
-        let (model, repairs) = Mesh::open_and_count(path, &options.read_options())?;
+        let (model, repairs) = Mesh::open_and_count(path, &read_options)?;
         warn_of_repairs(path, &repairs, output);
         changes.add(&repairs);
         output.step(&format!(
@@ -107,6 +117,9 @@ pub fn read_models(paths: &[PathBuf], options: &ModelOptions, output: &Output) -
         mesh.append(&model)?;
         hash_file(path, &mut hash).map_err(|error| Error::io(path, error))?;
         names.push(file_name(path));
+    }
+    if let Some(albedo) = albedo {
+        mesh.paint(albedo);
     }
     let points = LightingPoints::from_mesh(&mesh).map_err(|error| match paths {
         [path] => Error::file(path, error),
@@ -163,8 +176,15 @@ fn hexadecimal(hash: Sha256) -> String {
 
 /// Says what `--repair` changed.
 pub fn warn_of_repairs(path: &Path, repairs: &Repairs, output: &Output) {
-    let Repairs { dropped_vertex_count: vertices, dropped_face_count: faces, whitened_vertex_count: white } =
-        repairs;
+    let Repairs {
+        dropped_vertex_count: vertices,
+        dropped_face_count: faces,
+        whitened_vertex_count: white,
+        missing,
+    } = repairs;
+    for sentence in missing {
+        output.warn(&format!("{}: {sentence}", path.display()));
+    }
     if *vertices > 0 {
         output.warn(&format!(
             "{}: dropped {vertices} vertices that are not finite, and {faces} faces that use them",

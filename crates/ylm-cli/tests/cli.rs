@@ -154,8 +154,7 @@ fn what_is_left_out_or_repaired_is_counted_on_standard_error_and_in_json() {
     place.failure("bake torn.obj -o torn.safetensors --rays 8", 1);
     let output = place.run("bake torn.obj -o torn.safetensors --rays 8 --repair --json");
     let bake: Value = serde_json::from_slice(&output.stdout).unwrap();
-    let expected =
-        serde_json::json!({"degenerate_triangles": 1, "vertices": 1, "faces": 2, "whitened_vertices": 0});
+    let expected = serde_json::json!({"degenerate_triangles": 1, "vertices": 1, "faces": 2, "whitened_vertices": 0, "missing": []});
     assert_eq!(bake["left_out"], expected);
     let words = String::from_utf8(output.stderr).unwrap();
     assert!(words.contains("dropped 1 vertices") && words.contains("1 of 13 triangles"), "{words}");

@@ -12,20 +12,9 @@ use ylm_prt::scene::{Blockers, Bvh, LightingPoints, Mesh, ReadOptions};
 use ylm_prt::shade::shade_diffuse;
 use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, TransferKind, bake};
 
-/// Every 200th of some points, without the triangles between them.
-fn some(points: &LightingPoints) -> LightingPoints {
-    LightingPoints {
-        positions: points.positions.iter().copied().step_by(200).collect(),
-        normals: points.normals.iter().copied().step_by(200).collect(),
-        albedo: points.albedo.iter().copied().step_by(200).collect(),
-        triangles: Vec::new(),
-    }
-}
-
 fn baked(points: &LightingPoints, bvh: &Bvh, bands: Bands, rays: u32) -> Baked {
     let kind = TransferKind::Shadowed;
-    let settings =
-        BakeSettings { bands, kind, rays, seed: 1, bias: BakeSettings::BIAS, t_max: f32::INFINITY };
+    let settings = BakeSettings { bands, kind, rays, seed: 1, ..BakeSettings::default() };
     let transfer = bake(points, bvh, &settings, &()).unwrap();
     Baked {
         points: points.clone(),
@@ -49,7 +38,7 @@ fn the_armadillo_is_within_one_percent_at_4096_rays_and_the_error_falls_as_rays_
     let Some(probe) = data::data("probes/grace_cube_256.dds") else { return };
     let all = LightingPoints::from_mesh(&Mesh::open(&mesh, &ReadOptions::default()).unwrap()).unwrap();
     let bvh = Bvh::build(&all.positions, &all.triangles);
-    let points = some(&all);
+    let points = all.step_by(200);
     assert_eq!(points.positions.len(), 250);
     let bands = Bands::new(6).unwrap();
     let bakes = [256, 1024, 4096].map(|rays| baked(&points, &bvh, bands, rays));

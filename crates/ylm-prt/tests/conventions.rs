@@ -37,13 +37,13 @@ fn points(normals: &[Vec3], albedo: f32) -> LightingPoints {
         positions: vec![Vec3::ZERO; count],
         normals: normals.to_vec(),
         albedo: vec![[albedo; 3]; count],
-        triangles: Vec::new(),
+        ..LightingPoints::default()
     }
 }
 
 fn baked(points: LightingPoints, bvh: &Bvh, kind: TransferKind) -> Baked {
     let settings =
-        BakeSettings { bands: bands(), kind, rays: 4096, seed: 1, bias: 0.0, t_max: f32::INFINITY };
+        BakeSettings { bands: bands(), kind, rays: 4096, seed: 1, bias: 0.0, ..BakeSettings::default() };
     let transfer = bake(&points, bvh, &settings, &()).unwrap();
     Baked {
         points,

@@ -39,7 +39,7 @@ fn fault(from: &str, to: &str) -> String {
 fn the_document_itself_is_one_triangle() {
     let mesh = with(&[]);
     assert_eq!((mesh.positions, mesh.triangles), (vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]));
-    assert_eq!((mesh.normals, mesh.albedo), (None, None));
+    assert_eq!((mesh.normals, mesh.materials), (None, None));
 }
 
 #[test]

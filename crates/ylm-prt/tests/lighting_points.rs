@@ -1,7 +1,7 @@
 //! Normals, and the pairs of position and normal that are lit.
 
 use glam::Vec3;
-use ylm_prt::scene::{LightingPoints, Mesh, Normals, normals::angle_weighted};
+use ylm_prt::scene::{LightingPoints, Material, Materials, Mesh, Normals, normals::angle_weighted};
 
 /// The unit cube's corners; its faces as quads, seen from outside.
 fn cube() -> Mesh {
@@ -9,11 +9,11 @@ fn cube() -> Mesh {
     let quads: [[u32; 4]; 6] =
         [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Mesh { positions, triangles, normals: None, albedo: None }
+    Mesh { positions, triangles, ..Mesh::default() }
 }
 
 fn triangle(positions: [Vec3; 3], triangles: &[[u32; 3]]) -> Mesh {
-    Mesh { positions: positions.to_vec(), triangles: triangles.to_vec(), normals: None, albedo: None }
+    Mesh { positions: positions.to_vec(), triangles: triangles.to_vec(), ..Mesh::default() }
 }
 
 #[test]
@@ -69,21 +69,36 @@ fn corners_of_two_colours_are_kept_apart() {
     let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ZERO, Vec3::X, Vec3::Y];
     let mut mesh = Mesh { positions, triangles: vec![[0, 1, 2], [3, 4, 5]], ..Mesh::default() };
     assert_eq!(LightingPoints::from_mesh(&mesh).unwrap().positions.len(), 3);
-    mesh.albedo = Some([[1.0, 0.0, 0.0]; 3].into_iter().chain([[0.0, 0.0, 1.0]; 3]).collect());
+    let values = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]].map(Material::of_albedo).to_vec();
+    mesh.materials = Some(Materials { values: values.clone(), triangles: vec![[0, 2, 0], [1; 3]] });
     let points = LightingPoints::from_mesh(&mesh).unwrap();
     assert_eq!(points.positions.len(), 6);
-    assert_eq!(points.albedo[3], [0.0, 0.0, 1.0]);
+    assert_eq!((points.albedo[3], &points.emission), ([0.0, 0.0, 1.0], &None));
+    // Two materials at one position: it is two points, and one where the materials are the same.
+    mesh.triangles = vec![[0, 1, 2], [0, 2, 1]];
+    let points = LightingPoints::from_mesh(&Mesh { normals: None, ..mesh.clone() }).unwrap();
+    assert_eq!((points.positions.len(), points.triangles.len()), (6, 2));
+    let glow = Material { emission: [0.0, 3.0, 0.0], ..values[1] };
+    mesh.materials = Some(Materials { values: vec![values[1], glow], triangles: vec![[0; 3], [0, 0, 1]] });
+    let points = LightingPoints::from_mesh(&mesh).unwrap();
+    let emission = points.emission.unwrap();
+    assert_eq!((emission.len(), emission.iter().filter(|e| e[1] == 3.0).count()), (4, 1));
 }
 
 #[test]
 fn appended_meshes_keep_what_they_have() {
     let mut all = cube();
     let mut other = triangle([Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]]);
-    other.albedo = Some(vec![[0.5; 3]; 3]);
+    let grey = Material::of_albedo([0.5; 3]);
+    other.materials = Some(Materials { values: vec![grey], triangles: vec![[0; 3]] });
     other.normals = Some(Normals { vectors: vec![Vec3::X], triangles: vec![[0; 3]] });
     all.append(&other).unwrap();
     assert_eq!((all.positions.len(), all.triangles[12]), (11, [8, 9, 10]));
-    assert_eq!(all.albedo.as_ref().unwrap()[7..9], [[1.0; 3], [0.5; 3]]);
+    assert_eq!((all.material(11, 0), all.material(12, 2)), (Material::WHITE, grey));
+    let mut backwards = other.clone();
+    backwards.append(&cube()).unwrap();
+    assert_eq!((backwards.material(0, 0), backwards.material(12, 2)), (grey, Material::WHITE));
+    assert_eq!(backwards.materials.unwrap().triangles.len(), 13);
     let normals = all.normals.unwrap();
     assert_eq!(normals.triangles.len(), 13);
     assert_eq!(normals.vectors[normals.triangles[12][0] as usize], Vec3::X);

@@ -29,7 +29,7 @@ fn open(places: &[(Vec3, Vec3)], n: usize) -> Baked {
         ..LightingPoints::default()
     };
     let kind = TransferKind::Unshadowed;
-    let settings = BakeSettings { bands: bands(n), kind, rays: 0, seed: 0, bias: 0.0, t_max: f32::INFINITY };
+    let settings = BakeSettings { bands: bands(n), kind, rays: 0, bias: 0.0, ..BakeSettings::default() };
     let transfer = bake(&points, &Bvh::build(&[], &[]), &settings, &()).unwrap();
     let record = BakeRecord::new(&settings, Vec::new(), String::new());
     Baked { points, blockers: Blockers::default(), transfer, record }

@@ -15,8 +15,7 @@ fn settings(bands: usize, rays: u32) -> BakeSettings {
         kind: TransferKind::Shadowed,
         rays,
         seed: 1,
-        bias: BakeSettings::BIAS,
-        t_max: f32::INFINITY,
+        ..BakeSettings::default()
     }
 }
 

@@ -67,14 +67,7 @@ fn both_ways(points: &LightingPoints, settings: &BakeSettings, rotation: Quat) -
 }
 
 fn settings(kind: TransferKind, rays: u32) -> BakeSettings {
-    BakeSettings {
-        bands: Bands::new(BANDS).unwrap(),
-        kind,
-        rays,
-        seed: 1,
-        bias: BakeSettings::BIAS,
-        t_max: f32::INFINITY,
-    }
+    BakeSettings { bands: Bands::new(BANDS).unwrap(), kind, rays, seed: 1, ..BakeSettings::default() }
 }
 
 fn pixels(image: &Image) -> Vec<Vec3> {

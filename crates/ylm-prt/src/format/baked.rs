@@ -1,5 +1,7 @@
 //! The baked scene as a safetensors file.
 
+mod bounces;
+
 #[cfg(target_endian = "big")]
 compile_error!("safetensors is little-endian; reading and writing here are casts, not conversions");
 
@@ -20,10 +22,11 @@ use super::fault::BakedFault;
 use crate::error::{Error, Result};
 use crate::file::write_atomically;
 use crate::scene::{Blockers, LightingPoints};
-use crate::transfer::{BakeRecord, Baked, Precision, Transfer, TransferKind};
+use crate::transfer::{BakeRecord, Baked, Bounced, Precision, Transfer, TransferKind};
 
-/// The version that this code writes, and the only one that it reads.
-pub const FORMAT_VERSION: u64 = 1;
+/// The latest version. Files that hold neither emission nor bounced light are written as version 1, which is the same
+/// without them.
+pub const FORMAT_VERSION: u64 = 2;
 
 /// The one metadata entry: a JSON object, so that numbers stay numbers and the bytes do not depend on hash order.
 const METADATA_KEY: &str = "ylm";
@@ -41,26 +44,29 @@ const CONVENTION: &str = "real orthonormal, Condon-Shortley, z polar, index l(l+
 /// # Errors
 /// If the operating system refuses, or half floats are asked for and a value is more than they hold.
 pub fn write_baked(path: &Path, baked: &Baked) -> Result<()> {
-    let (points, blockers, vectors) = (&baked.points, &baked.blockers, baked.transfer.vectors.as_slice());
-    let width = baked.transfer.bands.coeff_count();
-    let transfer = match baked.record.precision {
-        Precision::Single => Content::Bytes(bytemuck::cast_slice(vectors)),
-        Precision::Half => {
-            check_half(vectors, width)?;
-            Content::Halves(vectors)
-        }
-    };
+    let (points, blockers, transfer) = (&baked.points, &baked.blockers, &baked.transfer);
+    let width = transfer.bands.coeff_count();
+    let singles = |values| Content::Singles(vec![values]);
     let mut tensors: Vec<(&str, usize, Content)> = vec![
-        ("positions", 3, Content::Bytes(bytemuck::cast_slice(&points.positions))),
-        ("normals", 3, Content::Bytes(bytemuck::cast_slice(&points.normals))),
-        ("albedo", 3, Content::Bytes(bytemuck::cast_slice(&points.albedo))),
+        ("positions", 3, singles(bytemuck::cast_slice(&points.positions))),
+        ("normals", 3, singles(bytemuck::cast_slice(&points.normals))),
+        ("albedo", 3, singles(bytemuck::cast_slice(&points.albedo))),
         ("triangles", 3, Content::Indices(&points.triangles)),
     ];
     if !blockers.is_empty() {
-        tensors.push(("blocker_positions", 3, Content::Bytes(bytemuck::cast_slice(&blockers.positions))));
+        tensors.push(("blocker_positions", 3, singles(bytemuck::cast_slice(&blockers.positions))));
         tensors.push(("blocker_triangles", 3, Content::Indices(&blockers.triangles)));
     }
-    tensors.push(("transfer", width, transfer));
+    tensors.push(("transfer", width, stored(vec![&transfer.vectors], width, baked)?));
+    if let Some(emission) = &points.emission {
+        tensors.push(("emission", 3, singles(emission.as_flattened())));
+    }
+    if let Some(Bounced { layers, emitted, .. }) = &transfer.bounced {
+        let layers = layers.iter().map(Vec::as_slice).collect();
+        tensors.push(("bounced", 3 * width, stored(layers, 3 * width, baked)?));
+        let emitted = emitted.iter().map(|layer| layer.as_flattened()).collect();
+        tensors.push(("emitted", 3, Content::Singles(emitted)));
+    }
     let mut end = 0;
     let infos = tensors.iter().map(|(name, width, content)| {
         let (start, dtype, byte_count) = (end, content.dtype(), content.byte_count());
@@ -79,20 +85,32 @@ pub fn write_baked(path: &Path, baked: &Baked) -> Result<()> {
     })
 }
 
+/// Coefficients as the record says that they are stored.
+fn stored<'a>(layers: Vec<&'a [f32]>, row_width: usize, baked: &Baked) -> Result<Content<'a>> {
+    Ok(match baked.record.precision {
+        Precision::Single => Content::Singles(layers),
+        Precision::Half => {
+            let width = baked.transfer.bands.coeff_count();
+            layers.iter().try_for_each(|layer| check_half(layer, row_width, width))?;
+            Content::Halves(layers)
+        }
+    })
+}
+
 /// What stands in a tensor.
 enum Content<'a> {
-    /// f32, as they are.
-    Bytes(&'a [u8]),
+    /// f32, as they are, one list after the other.
+    Singles(Vec<&'a [f32]>),
     /// u32.
     Indices(&'a [[u32; 3]]),
     /// f32 that are rounded to f16 on their way.
-    Halves(&'a [f32]),
+    Halves(Vec<&'a [f32]>),
 }
 
 impl Content<'_> {
     fn dtype(&self) -> Dtype {
         match self {
-            Self::Bytes(_) => Dtype::F32,
+            Self::Singles(_) => Dtype::F32,
             Self::Indices(_) => Dtype::U32,
             Self::Halves(_) => Dtype::F16,
         }
@@ -100,19 +118,22 @@ impl Content<'_> {
 
     fn byte_count(&self) -> usize {
         match self {
-            Self::Bytes(bytes) => bytes.len(),
+            Self::Singles(lists) => lists.iter().map(|values| size_of_val(*values)).sum(),
             Self::Indices(indices) => size_of_val(*indices),
-            Self::Halves(values) => values.len() * size_of::<f16>(),
+            Self::Halves(lists) => lists.iter().map(|values| values.len() * size_of::<f16>()).sum(),
         }
     }
 
     fn write(&self, out: &mut dyn io::Write) -> io::Result<()> {
         match self {
-            Self::Bytes(bytes) => out.write_all(bytes),
+            Self::Singles(lists) => {
+                lists.iter().try_for_each(|values| out.write_all(bytemuck::cast_slice(values)))
+            }
             Self::Indices(indices) => out.write_all(bytemuck::cast_slice(indices)),
-            Self::Halves(values) => {
-                let mut halves = [f16::ZERO; 4096];
-                values.chunks(halves.len()).try_for_each(|values| {
+            Self::Halves(lists) => {
+                const CHUNK: usize = 4096;
+                let mut halves = [f16::ZERO; CHUNK];
+                lists.iter().flat_map(|values| values.chunks(CHUNK)).try_for_each(|values| {
                     let halves = &mut halves[..values.len()];
                     halves.convert_from_f32_slice(values);
                     out.write_all(bytemuck::cast_slice(halves.reinterpret_cast()))
@@ -123,12 +144,12 @@ impl Content<'_> {
 }
 
 /// Checks that no value becomes infinite as a half float.
-fn check_half(values: &[f32], width: usize) -> Result<()> {
+fn check_half(values: &[f32], row_width: usize, width: usize) -> Result<()> {
     match values.iter().position(|&value| !f16::from_f32(value).is_finite()) {
         Some(index) => Err(Error::Request(format!(
             "coefficient {} of point {} is {}, more than half floats hold (65504); bake without --half",
             index % width,
-            index / width,
+            index / row_width,
             values[index]
         ))),
         None => Ok(()),
@@ -180,16 +201,32 @@ fn parse_baked(bytes: &[u8]) -> std::result::Result<Baked, BakedFault> {
         Blockers { positions, triangles }
     };
     let width = bands.coeff_count();
-    let vectors = if tensors.tensor("transfer").is_ok_and(|tensor| tensor.dtype() == Dtype::F16) {
+    if bounces::is_half(&tensors, "transfer") {
         record.precision = Precision::Half;
-        let halves: Vec<u16> = rows(&tensors, "transfer", Dtype::F16, Some(point_count), width)?;
-        halves.reinterpret_cast::<f16>().to_f32_vec()
-    } else {
-        rows(&tensors, "transfer", Dtype::F32, Some(point_count), width)?
-    };
+    }
+    let vectors = coefficients(&tensors, "transfer", Some(point_count), width)?;
     check_finite("transfer", &vectors, width)?;
-    let points = LightingPoints { positions, normals, albedo, triangles };
-    Ok(Baked { points, blockers, transfer: Transfer { bands, vectors }, record })
+    let emission = bounces::emission(&tensors, point_count)?;
+    let bounced = match record.kind {
+        TransferKind::Interreflected => Some(bounces::parse(&entry, &tensors, point_count, width)?),
+        TransferKind::Unshadowed | TransferKind::Shadowed => None,
+    };
+    let points = LightingPoints { positions, normals, albedo, emission, triangles };
+    Ok(Baked { points, blockers, transfer: Transfer { bands, vectors, bounced }, record })
+}
+
+/// Rows of f32 that are stored as such or as f16.
+fn coefficients(
+    tensors: &SafeTensors,
+    name: &'static str,
+    row_count: Option<usize>,
+    width: usize,
+) -> std::result::Result<Vec<f32>, BakedFault> {
+    if bounces::is_half(tensors, name) {
+        let halves: Vec<u16> = rows(tensors, name, Dtype::F16, row_count, width)?;
+        return Ok(halves.reinterpret_cast::<f16>().to_f32_vec());
+    }
+    rows(tensors, name, Dtype::F32, row_count, width)
 }
 
 /// Triangles over `vertex_count` vertices.
@@ -209,9 +246,10 @@ fn triangles(
 
 fn metadata(baked: &Baked) -> Value {
     let record = &baked.record;
+    let is_first_version = baked.points.emission.is_none() && baked.transfer.bounced.is_none();
     let mut entry = json!({
         "format": "baked",
-        "format_version": FORMAT_VERSION,
+        "format_version": if is_first_version { 1 } else { FORMAT_VERSION },
         "ylm_version": record.ylm_version,
         "convention": CONVENTION,
         "bands": baked.transfer.bands.count(),
@@ -225,6 +263,9 @@ fn metadata(baked: &Baked) -> Value {
     // What most bakes are without is not written, and their bytes stay as they were.
     if record.t_max.is_finite() {
         entry["tmax"] = json!(record.t_max);
+    }
+    if let Some(bounced) = &baked.transfer.bounced {
+        bounces::describe(bounced, record, &mut entry);
     }
     if !baked.blockers.is_empty() {
         entry[BLOCKERS_KEY] = json!(record.blockers);
@@ -241,7 +282,7 @@ fn parse_metadata(entry: &Map<String, Value>) -> std::result::Result<(Bands, Bak
         return Err(wrong("format", "\"baked\""));
     }
     match integer("format_version")? {
-        FORMAT_VERSION => {}
+        1..=FORMAT_VERSION => {}
         found => return Err(BakedFault::Version { found, supported: FORMAT_VERSION }),
     }
     if text("convention")? != CONVENTION {
@@ -250,7 +291,7 @@ fn parse_metadata(entry: &Map<String, Value>) -> std::result::Result<(Bands, Bak
     let bands =
         Bands::new(integer("bands")? as usize).map_err(|e| wrong("bands", &format!("in range: {e}")))?;
     let kind = TransferKind::from_name(text("transfer")?)
-        .ok_or_else(|| wrong("transfer", "\"unshadowed\" or \"shadowed\""))?;
+        .ok_or_else(|| wrong("transfer", "\"unshadowed\", \"shadowed\" or \"interreflected\""))?;
     let bias = entry.get("bias").and_then(Value::as_f64).map(|bias| bias as f32).filter(|bias| *bias >= 0.0);
     let t_max = match entry.get("tmax") {
         None => Some(f32::INFINITY),
@@ -278,6 +319,7 @@ fn parse_metadata(entry: &Map<String, Value>) -> std::result::Result<(Bands, Bak
         seed: integer("seed")?,
         bias: bias.ok_or_else(|| wrong("bias", "a number ≥ 0"))?,
         t_max: t_max.ok_or_else(|| wrong("tmax", "a number above 0"))?,
+        bounce_threshold: bounces::threshold(entry)?,
         source: names("source")?,
         source_sha256: sha256("source_sha256")?,
         blockers: if has_blockers { names(BLOCKERS_KEY)? } else { Vec::new() },

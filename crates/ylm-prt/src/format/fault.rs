@@ -24,7 +24,7 @@ pub enum BakedFault {
     },
     /// Written by a later or broken ylm.
     #[error(
-        "format version {found}, and this ylm reads {supported}; use the ylm that wrote it, or bake again"
+        "format version {found}, and this ylm reads 1 to {supported}; use the ylm that wrote it, or bake again"
     )]
     Version {
         /// In the file.
@@ -76,6 +76,27 @@ pub enum BakedFault {
     AlbedoRange {
         /// Which lighting point.
         row: usize,
+    },
+    /// An emission that takes light away.
+    #[error("emission of point {row} is below 0")]
+    NegativeEmission {
+        /// Which lighting point.
+        row: usize,
+    },
+    /// Layers of bounced light that do not fit the number of bounces.
+    #[error(
+        "tensors «bounced» and «emitted» have {bounced} and {emitted} rows, which do not go with {points} points and \
+         {bounce_count} bounces: there must be one layer of all, or one for each and one more of what was emitted"
+    )]
+    Layers {
+        /// How often light bounced.
+        bounce_count: usize,
+        /// Rows of light from outside.
+        bounced: usize,
+        /// Rows of emitted light.
+        emitted: usize,
+        /// Lighting points: rows of a layer.
+        points: usize,
     },
     /// A triangle names a vertex that is not there.
     #[error("tensor «{name}»: triangle {triangle} names vertex {vertex}, and there are {count}")]

@@ -6,6 +6,7 @@
 mod accessor;
 mod buffer;
 mod fault;
+mod material;
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -13,9 +14,10 @@ use std::path::Path;
 use glam::{DMat3, DMat4, DQuat, DVec3};
 use gltf::json::{self, Index, Root, mesh::Mode, mesh::Semantic, validation::Checked};
 
-use crate::scene::read::{Corner, Draft, Place, excerpt};
+use crate::scene::read::{AlbedoSource, Corner, Draft, Place, excerpt};
 use accessor::Accessors;
 use buffer::Buffers;
+use material::Painter;
 
 pub use fault::GltfFault;
 
@@ -39,9 +41,10 @@ const INSTANCE_BUDGET_PER_BYTE: usize = 4;
 
 /// Reads the default scene, else the first, else all nodes.
 ///
-/// Albedo is baseColorFactor times COLOR_0; textures are passed over. Points and lines are passed over.
-/// `folder` is where the files of buffers lie.
-pub(crate) fn read(bytes: &[u8], folder: &Path) -> Result<Draft, GltfFault> {
+/// Albedo is baseColorFactor times baseColorTexture times COLOR_0, emission emissiveFactor times emissiveTexture times
+/// emissiveStrength, both at vertices. Points and lines are passed over. `folder` is where the files of buffers and
+/// images lie.
+pub(crate) fn read(bytes: &[u8], folder: &Path, albedo: AlbedoSource) -> Result<Draft, GltfFault> {
     let (text, blob) = buffer::split_container(bytes)?;
     let root: Root =
         json::deserialize::from_slice(text).map_err(|error| GltfFault::Json { reason: error.to_string() })?;
@@ -63,11 +66,14 @@ pub(crate) fn read(bytes: &[u8], folder: &Path) -> Result<Draft, GltfFault> {
         .max(MIN_INSTANCE_BUDGET)
         .min(u32::MAX as usize - 1);
     let accessors = Accessors { root: &root, buffers: &buffers, byte_count };
-    let mut scene = Scene { accessors, draft: Draft::default(), budget: max, max };
+    let painter = Painter::new(albedo);
+    let mut scene = Scene { accessors, draft: Draft::default(), painter, budget: max, max };
     for (node, world_from_local) in placed_nodes(&root)? {
         scene.add_node(node, world_from_local)?;
     }
-    Ok(scene.draft)
+    let Scene { accessors, mut draft, painter, .. } = scene;
+    painter.finish(&accessors, folder, &mut draft)?;
+    Ok(draft)
 }
 
 /// The item that an index names.
@@ -135,13 +141,14 @@ fn parent_from_local(node: &json::Node, index: usize) -> Result<DMat4, GltfFault
 struct Scene<'a> {
     accessors: Accessors<'a>,
     draft: Draft,
+    painter: Painter,
     /// Vertices and corners that may still be added.
     budget: usize,
     max: usize,
 }
 
-/// Vertices that primitives of one node share: positions, normals, colours, and the factor of the colours.
-type VertexKey = (usize, Option<usize>, Option<usize>, [u32; 3]);
+/// Vertices that primitives of one node share: their positions and normals.
+type VertexKey = (usize, Option<usize>);
 
 impl Scene<'_> {
     fn spend(&mut self, count: usize) -> Result<(), GltfFault> {
@@ -187,21 +194,25 @@ impl Scene<'_> {
             attribute(Semantic::Positions).ok_or(GltfFault::NoPosition { mesh, primitive: index })?;
         let normals = attribute(Semantic::Normals);
         let colours = attribute(Semantic::Colors(0));
-        let factor = match primitive.material {
-            Some(material) => {
-                let material = get(&self.accessors.root.materials, material.value(), "material")?;
-                let [r, g, b, _] = material.pbr_metallic_roughness.base_color_factor.0;
-                [r, g, b]
-            }
-            None => [1.0; 3],
-        };
-        let key = (positions, normals, colours, factor.map(f32::to_bits));
-        let shared = match vertices.get(&key) {
+        let coordinates = |set| attribute(Semantic::TexCoords(set));
+        let look = self.painter.look(&self.accessors, primitive.material, colours, coordinates, at)?;
+        let shared = match vertices.get(&(positions, normals)) {
             Some(&shared) => shared,
             None => {
-                let added = self.add_vertices(positions, normals, colours, factor, world_from_local)?;
-                vertices.insert(key, added);
+                let added = self.add_vertices(positions, normals, world_from_local)?;
+                vertices.insert((positions, normals), added);
                 added
+            }
+        };
+        let first = shared.first_position as usize;
+        let place = Place::Accessor { accessor: positions, element: 0 };
+        let materials = match self.painter.materials(&look, first) {
+            Some(materials) => materials,
+            None => {
+                if !look.is_uniform() {
+                    self.spend(shared.count)?;
+                }
+                self.painter.add(&self.accessors, &look, first, shared.count, place, &mut self.draft)?
             }
         };
         let corners: Vec<u32> = match primitive.indices {
@@ -240,7 +251,12 @@ impl Scene<'_> {
             let is_stitch = mode != Mode::Triangles && (a == b || b == c || c == a);
             if !is_stitch {
                 let triangle = if is_mirrored { [a, c, b] } else { [a, b, c] };
-                self.draft.add_face(triangle.map(|corner| shared.corner(corner)));
+                self.draft.add_face(
+                    triangle.map(|corner| Corner {
+                        material: materials.of_vertex(corner),
+                        ..shared.corner(corner)
+                    }),
+                );
             }
         }
         Ok(())
@@ -251,29 +267,18 @@ impl Scene<'_> {
         &mut self,
         positions: usize,
         normals: Option<usize>,
-        colours: Option<usize>,
-        factor: [f32; 3],
         world_from_local: DMat4,
     ) -> Result<Vertices, GltfFault> {
         let count = self.accessors.count(positions)?;
         self.spend(count)?;
-        for accessor in [normals, colours].into_iter().flatten() {
-            let attribute_count = self.accessors.count(accessor)?;
-            if attribute_count != count {
-                return Err(GltfFault::AttributeCount { accessor, count: attribute_count, positions: count });
-            }
+        if let Some(accessor) = normals {
+            self.accessors.check_count(accessor, count)?;
         }
         let first_position = self.draft.position_count() as u32;
         let first_normal = normals.map(|_| self.draft.normal_count() as u32);
-        let is_white = colours.is_none() && factor == [1.0; 3];
-        let colours = colours.map(|accessor| self.accessors.colours(accessor)).transpose()?;
         for (element, position) in self.accessors.positions(positions)?.into_iter().enumerate() {
             let at = Place::Accessor { accessor: positions, element };
             self.draft.add_position(world_from_local.transform_point3(position), at);
-            if !is_white {
-                let [r, g, b] = colours.as_ref().map_or([1.0; 3], |colours| colours[element]);
-                self.draft.add_colour([r * factor[0], g * factor[1], b * factor[2]], at);
-            }
         }
         if let Some(accessor) = normals {
             let world_from_normal = world_from_normal(world_from_local);
@@ -302,8 +307,8 @@ struct Vertices {
 
 impl Vertices {
     fn corner(&self, index: u32) -> Corner {
-        let normal = self.first_normal.map_or(Corner::NO_NORMAL, |first| first + index);
-        Corner { position: self.first_position + index, normal }
+        let normal = self.first_normal.map_or(Corner::NONE, |first| first + index);
+        Corner { position: self.first_position + index, normal, material: Corner::NONE }
     }
 }
 

@@ -18,8 +18,36 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Normals of the corners, where the file has them.
     pub normals: Option<Normals>,
-    /// Diffuse albedo of each position, linear RGB, where the file has it.
-    pub albedo: Option<Vec<[f32; 3]>>,
+    /// Materials of the corners, where the file has them.
+    pub materials: Option<Materials>,
+}
+
+/// What a surface does to light at one of its points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Diffuse albedo, linear RGB, each 0 to 1.
+    pub albedo: [f32; 3],
+    /// Radiance that the surface sends out of itself, linear RGB, ≥ 0.
+    pub emission: [f32; 3],
+}
+
+impl Material {
+    /// Of a surface whose file gives none: it reflects everything, and sends out nothing.
+    pub const WHITE: Self = Self { albedo: [1.0; 3], emission: [0.0; 3] };
+
+    /// A surface that sends out nothing.
+    pub fn of_albedo(albedo: [f32; 3]) -> Self {
+        Self { albedo, ..Self::WHITE }
+    }
+}
+
+/// Materials with indices of their own: several may meet at one position.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Materials {
+    /// Each different one, or one for each vertex.
+    pub values: Vec<Material>,
+    /// Material of each triangle's corners, indices into `values`; as long as [`Mesh::triangles`].
+    pub triangles: Vec<[u32; 3]>,
 }
 
 /// Normals with indices of their own, as OBJ and glTF seams need.
@@ -86,11 +114,11 @@ impl Mesh {
 
     /// Adds the triangles of another mesh to this one.
     ///
-    /// Where only one of them has normals or albedo, the other's are what it would have been baked with:
-    /// computed normals, white albedo.
+    /// Where only one of them has normals or materials, the other's are what it would have been baked with:
+    /// computed normals, a white material.
     ///
     /// # Errors
-    /// If together they have more than 2³² − 1 positions or normals.
+    /// If together they have more than 2³² − 1 positions, normals or materials.
     pub fn append(&mut self, other: &Mesh) -> Result<()> {
         let too_many = || Error::Request("the models have more than 4294967294 vertices together".to_owned());
         let offset = |count: usize, more: usize| match u32::try_from(count + more) {
@@ -106,17 +134,47 @@ impl Mesh {
             normals.triangles.extend(more.triangles.iter().map(|corners| corners.map(|i| i + normal_offset)));
             self.normals = Some(normals);
         }
-        if self.albedo.is_some() || other.albedo.is_some() {
-            let mut albedo = self.albedo.take().unwrap_or_else(|| vec![WHITE; self.positions.len()]);
-            match &other.albedo {
-                Some(more) => albedo.extend(more),
-                None => albedo.resize(albedo.len() + other.positions.len(), WHITE),
+        if self.materials.is_some() || other.materials.is_some() {
+            let mut materials = self.take_materials_or_white();
+            let material_offset =
+                offset(materials.values.len(), other.materials.as_ref().map_or(1, |m| m.values.len()))?;
+            match &other.materials {
+                Some(more) => {
+                    materials.values.extend(&more.values);
+                    let corners = more.triangles.iter();
+                    materials.triangles.extend(corners.map(|corners| corners.map(|i| i + material_offset)));
+                }
+                None => {
+                    materials.values.push(Material::WHITE);
+                    materials
+                        .triangles
+                        .resize(self.triangles.len() + other.triangles.len(), [material_offset; 3]);
+                }
             }
-            self.albedo = Some(albedo);
+            self.materials = Some(materials);
         }
         self.positions.extend(&other.positions);
         self.triangles.extend(other.triangles.iter().map(|corners| corners.map(|i| i + position_offset)));
         Ok(())
+    }
+
+    /// Gives all of the surface this albedo, instead of its own.
+    pub fn paint(&mut self, albedo: [f32; 3]) {
+        let mut materials = self.take_materials_or_white();
+        materials.values.iter_mut().for_each(|material| material.albedo = albedo);
+        self.materials = Some(materials);
+    }
+
+    fn take_materials_or_white(&mut self) -> Materials {
+        self.materials.take().unwrap_or_else(|| Materials {
+            values: vec![Material::WHITE],
+            triangles: vec![[0; 3]; self.triangles.len()],
+        })
+    }
+
+    /// The material of corner `k` of a triangle.
+    pub fn material(&self, triangle: usize, k: usize) -> Material {
+        self.materials.as_ref().map_or(Material::WHITE, |m| m.values[m.triangles[triangle][k] as usize])
     }
 
     /// The file's normals, or angle-weighted ones where it has none.
@@ -127,6 +185,3 @@ impl Mesh {
         })
     }
 }
-
-/// The albedo of a surface whose file gives none.
-pub const WHITE: [f32; 3] = [1.0; 3];

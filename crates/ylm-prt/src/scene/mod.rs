@@ -1,6 +1,7 @@
 //! What is lit: meshes and their readers, lighting points, rays.
 
 mod ball;
+mod beside;
 pub mod blockers;
 pub mod bvh;
 pub mod camera;
@@ -14,6 +15,7 @@ pub mod points;
 pub mod read;
 pub mod stl;
 mod text;
+mod texture;
 pub mod topology;
 mod triangulate;
 
@@ -21,8 +23,9 @@ pub use ball::ball;
 pub use blockers::Blockers;
 pub use bvh::{Bvh, Directions, Hit, Ray, Vantage};
 pub use camera::{Camera, View};
-pub use mesh::{Mesh, Normals};
+pub use mesh::{Material, Materials, Mesh, Normals};
 pub use points::LightingPoints;
-pub use read::{MeshFault, NonFinite, ReadOptions, Repairs, UpAxis};
+pub use read::{AlbedoSource, MeshFault, NonFinite, ReadOptions, Repairs, UpAxis};
+pub use texture::TextureFault;
 pub use topology::Topology;
 pub(crate) use triangulate::Cutter;

@@ -1,12 +1,19 @@
 //! Reads OBJ: polygons with their normals, and colours of vertices. [Wavefront 1991] "Advanced Visualizer Manual", B1
 //!
-//! A reader of its own: tobj stores material and texture data, splits or merges vertices by its own rules, cuts
-//! polygons as if they were convex, and does not name the line of a fault.
+//! A reader of its own: tobj splits or merges vertices by its own rules, cuts polygons as if they were convex, and does
+//! not name the line of a fault.
+
+mod material;
+
+use std::path::Path;
 
 use glam::DVec3;
 
-use crate::scene::read::{Corner, Draft, Place, excerpt, linear_from_srgb};
+use self::material::Painter;
+use crate::scene::read::{AlbedoSource, Corner, Draft, Place, excerpt, linear_from_srgb};
 use crate::scene::text::{Lines, number, vector, words};
+
+pub use self::material::MtlFault;
 
 /// Why bytes are no OBJ mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -43,6 +50,32 @@ pub enum ObjFault {
         /// How many.
         corners: usize,
     },
+    /// Texture coordinates without their numbers.
+    #[error("line {line}: `{text}` are no texture coordinates; they are 1 to 3 numbers")]
+    TextureCoordinates {
+        /// Which line.
+        line: usize,
+        /// What it says.
+        text: String,
+    },
+    /// A corner without the coordinates that its material's texture needs.
+    #[error(
+        "line {line}: a corner without texture coordinates, of the material `{material}`, which has a texture"
+    )]
+    NoTextureCoordinates {
+        /// Which line.
+        line: usize,
+        /// The material.
+        material: String,
+    },
+    /// A material library's fault.
+    #[error("{library}: {fault}")]
+    Library {
+        /// Its file.
+        library: String,
+        /// What is wrong with it.
+        fault: MtlFault,
+    },
     /// A corner that is not one to three indices.
     #[error(
         "line {line}: `{text}` is no corner of a face: vertex, vertex/texture, vertex//normal or all three"
@@ -70,14 +103,15 @@ pub enum ObjFault {
 
 /// Reads a mesh.
 ///
-/// Materials, texture coordinates, groups, points, lines and free-form surfaces are passed over. Colours are
-/// sRGB-encoded, as in Blender and three.js. Positive indices may point at vertices that follow.
-pub(crate) fn read(bytes: &[u8]) -> Result<Draft, ObjFault> {
+/// Albedo is the material's (see [`material`]) times the vertex's own colour; colours of vertices are sRGB-encoded, as
+/// in Blender and three.js. Groups, points, lines and free-form surfaces are passed over. Positive indices may point at
+/// what follows. `folder` is where material libraries lie.
+pub(crate) fn read(bytes: &[u8], folder: &Path, albedo: AlbedoSource) -> Result<Draft, ObjFault> {
     let mut draft = Draft::default();
-    let mut largest_vertex = Largest::default();
-    let mut largest_normal = Largest::default();
+    let mut painter = Painter::new(folder, albedo);
+    let mut largest = [Largest::of("vertex"), Largest::of("texture"), Largest::of("normal")];
     let mut unknown: Option<(usize, String)> = None;
-    let mut face: Vec<Corner> = Vec::new();
+    let mut face: Vec<(Corner, u32)> = Vec::new();
     let mut statements = Statements { lines: Lines::new(bytes), joined: Vec::new() };
     while let Some((line, text)) = statements.next() {
         let mut words = words(text);
@@ -87,31 +121,44 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Draft, ObjFault> {
                     vertex(words).ok_or_else(|| ObjFault::Vertex { line, text: excerpt(text) })?;
                 draft.add_position(position, Place::Line(line));
                 if let Some(colour) = colour {
-                    draft.add_colour(colour.map(linear_from_srgb), Place::Line(line));
+                    painter.colour_vertex(colour.map(linear_from_srgb), Place::Line(line), &mut draft);
                 }
             }
             Some(b"vn") => {
                 let normal = vector(words).ok_or_else(|| ObjFault::Normal { line, text: excerpt(text) })?;
                 draft.add_normal(normal);
             }
+            Some(b"vt") => {
+                let coordinates = texture_coordinates(words);
+                painter.coordinates.push(
+                    coordinates.ok_or_else(|| ObjFault::TextureCoordinates { line, text: excerpt(text) })?,
+                );
+            }
+            Some(b"mtllib") => painter.read_libraries(operand(text), &mut draft)?,
+            Some(b"usemtl") => painter.take_up(operand(text), &mut draft),
             Some(b"f" | b"fo") => {
                 face.clear();
                 for word in words {
-                    let (vertex, normal) =
+                    let indices =
                         corner(word).ok_or_else(|| ObjFault::Corner { line, text: excerpt(word) })?;
-                    let position = largest_vertex.resolve("vertex", vertex, draft.position_count(), line)?;
-                    let normal = match normal {
-                        Some(normal) => {
-                            largest_normal.resolve("normal", normal, draft.normal_count(), line)?
+                    let counts = [draft.position_count(), painter.coordinates.len(), draft.normal_count()];
+                    let mut resolved = [Corner::NONE; 3];
+                    for k in 0..3 {
+                        if let Some(index) = indices[k] {
+                            resolved[k] = largest[k].resolve(index, counts[k], line)?;
                         }
-                        None => Corner::NO_NORMAL,
-                    };
-                    face.push(Corner { position, normal });
+                    }
+                    let [position, coordinates, normal] = resolved;
+                    face.push((Corner { position, normal, material: Corner::NONE }, coordinates));
                 }
                 if face.len() < 3 {
                     return Err(ObjFault::FaceCorners { line, corners: face.len() });
                 }
-                draft.add_face(face.iter().copied());
+                for (corner, coordinates) in &mut face {
+                    let indices = [corner.position, *coordinates];
+                    corner.material = painter.material(indices, draft.position_count(), line)?;
+                }
+                draft.add_face(face.iter().map(|(corner, _)| *corner));
             }
             Some(keyword) if !PASSED_OVER.contains(&keyword) && unknown.is_none() => {
                 unknown = Some((line, excerpt(text)));
@@ -119,18 +166,28 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Draft, ObjFault> {
             _ => {}
         }
     }
-    largest_vertex.check("vertex", draft.position_count())?;
-    largest_normal.check("normal", draft.normal_count())?;
+    let counts = [draft.position_count(), painter.coordinates.len(), draft.normal_count()];
+    for (largest, count) in largest.iter().zip(counts) {
+        largest.check(count)?;
+    }
     match unknown {
         // Programs write keywords of their own into OBJ files; a file of nothing else is something else.
         Some((line, text)) if draft.position_count() == 0 => Err(ObjFault::NotObj { line, text }),
-        _ => Ok(draft),
+        _ => {
+            painter.finish(&mut draft)?;
+            Ok(draft)
+        }
     }
 }
 
+/// What follows the keyword of a statement, which may hold blanks.
+fn operand(text: &[u8]) -> &[u8] {
+    let end = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
+    text[end..].trim_ascii()
+}
+
 /// Keywords of the format that say nothing about triangles.
-const PASSED_OVER: [&[u8]; 33] = [
-    b"vt",
+const PASSED_OVER: [&[u8]; 30] = [
     b"vp",
     b"p",
     b"l",
@@ -138,8 +195,6 @@ const PASSED_OVER: [&[u8]; 33] = [
     b"s",
     b"o",
     b"mg",
-    b"usemtl",
-    b"mtllib",
     b"usemap",
     b"maplib",
     b"cstype",
@@ -216,43 +271,57 @@ fn vertex<'a>(words: impl Iterator<Item = &'a [u8]>) -> Option<(DVec3, Option<[f
     Some((DVec3::new(x, y, z), colour))
 }
 
-/// The indices of a corner's vertex and normal; also its texture's must be an integer.
-fn corner(word: &[u8]) -> Option<(i64, Option<i64>)> {
+/// The first two of one to three texture coordinates, the second 0 if it is not given.
+fn texture_coordinates<'a>(words: impl Iterator<Item = &'a [u8]>) -> Option<[f64; 2]> {
+    let mut numbers = [0.0_f64; 3];
+    let mut count = 0;
+    for word in words {
+        *numbers.get_mut(count)? = number(word)?;
+        count += 1;
+    }
+    (count > 0).then_some([numbers[0], numbers[1]])
+}
+
+/// The indices of a corner's vertex, texture coordinates and normal.
+fn corner(word: &[u8]) -> Option<[Option<i64>; 3]> {
     let mut parts = word.split(|&b| b == b'/');
     let vertex = number(parts.next()?)?;
     let mut optional = || match parts.next() {
         None | Some(b"") => Some(None),
         Some(part) => Some(Some(number::<i64>(part)?)),
     };
-    let _texture = optional()?;
-    let normal = optional()?;
-    parts.next().is_none().then_some((vertex, normal))
+    let (texture, normal) = (optional()?, optional()?);
+    parts.next().is_none().then_some([Some(vertex), texture, normal])
 }
 
 /// The largest index so far, which the count at the end of the file must reach.
-#[derive(Default)]
 struct Largest {
+    of: &'static str,
     index: i64,
     line: usize,
 }
 
 impl Largest {
+    fn of(of: &'static str) -> Self {
+        Self { of, index: 0, line: 0 }
+    }
+
     /// The index from 0 of a positive index from 1, or of a negative one from the last.
-    fn resolve(&mut self, of: &'static str, index: i64, count: usize, line: usize) -> Result<u32, ObjFault> {
+    fn resolve(&mut self, index: i64, count: usize, line: usize) -> Result<u32, ObjFault> {
         if index > self.index {
-            *self = Self { index, line };
+            (self.index, self.line) = (index, line);
         }
         let from_start = if index > 0 { Some(index - 1) } else { index.checked_add(count as i64) };
         match from_start {
             // An index beyond the range of u32 is one beyond the count of anything, which `check` finds.
             Some(resolved @ 0..) if index != 0 => Ok(u32::try_from(resolved).unwrap_or(u32::MAX - 1)),
-            _ => Err(ObjFault::Index { line, of, index, count }),
+            _ => Err(ObjFault::Index { line, of: self.of, index, count }),
         }
     }
 
-    fn check(&self, of: &'static str, count: usize) -> Result<(), ObjFault> {
+    fn check(&self, count: usize) -> Result<(), ObjFault> {
         if self.index > count as i64 {
-            return Err(ObjFault::Index { line: self.line, of, index: self.index, count });
+            return Err(ObjFault::Index { line: self.line, of: self.of, index: self.index, count });
         }
         Ok(())
     }
@@ -312,7 +381,8 @@ mod tests {
     #[test]
     fn colours_of_vertices_are_srgb_and_missing_ones_white() {
         let mesh = obj("v 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0 0 1 0 0.5\nv 0 0 1\nf 1 2 3\n").unwrap();
-        assert_eq!(mesh.albedo.unwrap(), [[1.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0; 3]]);
+        let albedo = [0, 1, 2].map(|k| mesh.material(0, k).albedo);
+        assert_eq!(albedo, [[1.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     }
 
     #[test]

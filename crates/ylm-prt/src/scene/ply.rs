@@ -179,6 +179,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Draft, PlyFault> {
         line_end: header.body,
         encoding: header.encoding,
     };
+    let has_colours = roles.iter().any(|role| matches!(role, Role::Vertices { colour: Some(_), .. }));
     let mut values = Values::default();
     for (element, role) in header.elements.iter().zip(&roles) {
         if element.properties.is_empty() {
@@ -203,7 +204,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Draft, PlyFault> {
                     if values.list.len() < 3 {
                         return Err(PlyFault::FaceCorners { at, face: index, corners: values.list.len() });
                     }
-                    add_face(&mut draft, &values.list, vertex_count, at)?;
+                    add_face(&mut draft, &values.list, vertex_count, has_colours, at)?;
                 }
                 Role::Strips { .. } => {
                     for strip in values.list.split(|&index| index == -1) {
@@ -212,7 +213,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Draft, PlyFault> {
                             let corners = if k % 2 == 0 { [a, b, c] } else { [b, a, c] };
                             // A repeated index only leads the strip on; it is no triangle.
                             if a != b && b != c && c != a {
-                                add_face(&mut draft, &corners, vertex_count, at)?;
+                                add_face(&mut draft, &corners, vertex_count, has_colours, at)?;
                             } else {
                                 check_indices(&corners, vertex_count, at)?;
                             }
@@ -307,9 +308,18 @@ fn albedo(value: f64, scalar: Scalar) -> f32 {
 }
 
 /// Adds a face whose indices are in range.
-fn add_face(draft: &mut Draft, indices: &[i64], vertex_count: u64, at: Place) -> Result<(), PlyFault> {
+fn add_face(
+    draft: &mut Draft,
+    indices: &[i64],
+    vertex_count: u64,
+    has_colours: bool,
+    at: Place,
+) -> Result<(), PlyFault> {
     check_indices(indices, vertex_count, at)?;
-    draft.add_face(indices.iter().map(|&index| Corner { position: index as u32, normal: index as u32 }));
+    draft.add_face(indices.iter().map(|&index| {
+        let index = index as u32;
+        Corner { position: index, normal: index, material: if has_colours { index } else { Corner::NONE } }
+    }));
     Ok(())
 }
 

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::Vec3;
 
 use crate::error::{Error, Result};
-use crate::scene::mesh::{Mesh, WHITE};
+use crate::scene::mesh::{Material, Mesh};
 use crate::scene::normals::triangle_normal;
 
 /// Where transfer is baked: one point a unique pair of position and normal.
@@ -17,6 +17,8 @@ pub struct LightingPoints {
     pub normals: Vec<Vec3>,
     /// Diffuse albedo, linear RGB.
     pub albedo: Vec<[f32; 3]>,
+    /// Radiance that the surface sends out of itself, linear RGB; `None` if nothing does.
+    pub emission: Option<Vec<[f32; 3]>>,
     /// The mesh's triangles with area, as indices of lighting points.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -25,8 +27,8 @@ impl LightingPoints {
     /// The unique pairs of position and normal that a mesh's triangles use, in the order of its positions.
     ///
     /// Positions and normals are the same if all their coordinates are (−0 and 0 are). Corners at one position and
-    /// normal whose albedo differs are kept apart, so that colours do not mix. Without albedo in the file, points are
-    /// white. Triangles without area are left out: no ray meets them, and they face nowhere.
+    /// normal whose albedo or emission differs are kept apart, so that colours do not mix. Without materials in the
+    /// file, points are white. Triangles without area are left out: no ray meets them, and they face nowhere.
     ///
     /// Cost: O(positions + triangles).
     ///
@@ -43,27 +45,60 @@ impl LightingPoints {
         }
         let normals = mesh.normals_or_computed();
 
+        let material_ids = MaterialIds::of(mesh);
         let mut points = Self { triangles: vec![[0; 3]; lit.len()], ..Self::default() };
-        let mut point_of: HashMap<[u32; 9], u32> = HashMap::new();
+        let mut emission = Vec::new();
+        let mut point_of: HashMap<[u32; 7], u32> = HashMap::new();
         for (triangle, k) in corners_by_position(mesh, &lit) {
             let position = without_negative_zero(mesh.positions[mesh.triangles[lit[triangle]][k] as usize]);
             let normal = without_negative_zero(normals.vectors[normals.triangles[lit[triangle]][k] as usize]);
-            let albedo = match &mesh.albedo {
-                Some(albedo) => albedo[mesh.triangles[lit[triangle]][k] as usize],
-                None => WHITE,
-            };
-            let [p, n, a] = [position.to_array(), normal.to_array(), albedo].map(|v| v.map(f32::to_bits));
-            let mut key = [0; 9];
-            key.as_chunks_mut::<3>().0.copy_from_slice(&[p, n, a]);
+            let [[px, py, pz], [nx, ny, nz]] = [position, normal].map(|v| v.to_array().map(f32::to_bits));
+            let key = [px, py, pz, nx, ny, nz, material_ids.of_corner(mesh, lit[triangle], k)];
             let point = *point_of.entry(key).or_insert_with(|| {
+                let material = mesh.material(lit[triangle], k);
                 points.positions.push(position);
                 points.normals.push(normal);
-                points.albedo.push(albedo);
+                points.albedo.push(material.albedo);
+                emission.push(material.emission);
                 points.positions.len() as u32 - 1
             });
             points.triangles[triangle][k] = point;
         }
+        let emits = emission.iter().any(|emission| *emission != [0.0; 3]);
+        points.emission = emits.then_some(emission);
         Ok(points)
+    }
+
+    /// Every `stride`th of the points, without the triangles between them: for bakes of some points of a scene.
+    pub fn step_by(&self, stride: usize) -> Self {
+        Self {
+            positions: self.positions.iter().copied().step_by(stride).collect(),
+            normals: self.normals.iter().copied().step_by(stride).collect(),
+            albedo: self.albedo.iter().copied().step_by(stride).collect(),
+            emission: self.emission.as_ref().map(|all| all.iter().copied().step_by(stride).collect()),
+            triangles: Vec::new(),
+        }
+    }
+}
+
+/// A number for each material, the same for equal ones.
+struct MaterialIds(Vec<u32>);
+
+impl MaterialIds {
+    fn of(mesh: &Mesh) -> Self {
+        let Some(materials) = &mesh.materials else { return Self(Vec::new()) };
+        let mut id_of: HashMap<[u32; 6], u32> = HashMap::new();
+        let ids = materials.values.iter().map(|material| {
+            let Material { albedo: [r, g, b], emission: [x, y, z] } = *material;
+            let key = [r, g, b, x, y, z].map(|value| (value + 0.0).to_bits());
+            let next = id_of.len() as u32;
+            *id_of.entry(key).or_insert(next)
+        });
+        Self(ids.collect())
+    }
+
+    fn of_corner(&self, mesh: &Mesh, triangle: usize, k: usize) -> u32 {
+        mesh.materials.as_ref().map_or(0, |materials| self.0[materials.triangles[triangle][k] as usize])
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 
 use crate::scene::gltf::{self, GltfFault};
-use crate::scene::mesh::{Mesh, Normals, WHITE};
+use crate::scene::mesh::{Material, Materials, Mesh, Normals};
 use crate::scene::normals;
 use crate::scene::obj::{self, ObjFault};
 use crate::scene::ply::{self, PlyFault};
@@ -19,6 +19,18 @@ pub struct ReadOptions {
     pub non_finite: NonFinite,
     /// Which axis of the file points up.
     pub up: UpAxis,
+    /// Where albedo comes from.
+    pub albedo: AlbedoSource,
+}
+
+/// Where the albedo of a mesh comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AlbedoSource {
+    /// Its file, and the material libraries and textures that the file names.
+    #[default]
+    File,
+    /// Nowhere: all is white, and textures of albedo are not looked for. Emission is read all the same.
+    White,
 }
 
 /// What to do with vertices that are not finite in single precision.
@@ -31,8 +43,8 @@ pub enum NonFinite {
     Drop,
 }
 
-/// How much of a file [`NonFinite::Drop`] changed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// How much of a file [`NonFinite::Drop`] changed, and what it lacks.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Repairs {
     /// Vertices without finite position, left out.
     pub dropped_vertex_count: usize,
@@ -40,6 +52,8 @@ pub struct Repairs {
     pub dropped_face_count: usize,
     /// Vertices whose colour was no albedo, made white.
     pub whitened_vertex_count: usize,
+    /// What the file names and is not there, and what stands in for it: a sentence each.
+    pub missing: Vec<String>,
 }
 
 /// Which axis of a file points up in the world, whose y axis does.
@@ -141,8 +155,8 @@ impl std::fmt::Display for Place {
 
 /// Reads a mesh from bytes.
 ///
-/// `path` gives the extension, for content that does not tell its format, and the folder, for glTF files whose
-/// buffers are files of their own.
+/// `path` gives the extension, for content that does not tell its format, and the folder, for the files that glTF and
+/// OBJ files name: buffers, material libraries, textures.
 ///
 /// # Errors
 /// See [`MeshFault`].
@@ -159,11 +173,12 @@ pub fn read_and_count(
     path: &Path,
     options: &ReadOptions,
 ) -> Result<(Mesh, Repairs), MeshFault> {
+    let folder = path.parent().unwrap_or(Path::new(""));
     let draft = match Format::of(bytes, path).ok_or(MeshFault::UnknownFormat)? {
         Format::Ply => ply::read(bytes)?,
-        Format::Obj => obj::read(bytes)?,
+        Format::Obj => obj::read(bytes, folder, options.albedo)?,
         Format::Stl => stl::read(bytes)?,
-        Format::Gltf => gltf::read(bytes, path.parent().unwrap_or(Path::new("")))?,
+        Format::Gltf => gltf::read(bytes, folder, options.albedo)?,
     };
     draft.finish(options)
 }
@@ -200,24 +215,24 @@ impl Format {
     }
 }
 
-/// One corner of a face: its position and, where the file has them, its normal.
+/// One corner of a face: its position and, where the file has them, its normal and its material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Corner {
     pub position: u32,
     pub normal: u32,
+    pub material: u32,
 }
 
 impl Corner {
-    /// The index of the normal of a corner that has none.
-    pub const NO_NORMAL: u32 = u32::MAX;
+    /// The index of the normal or material of a corner that has none.
+    pub const NONE: u32 = u32::MAX;
 }
 
 /// What a reader finds: faces of any number of corners, numbers of any value, indices in range.
 #[derive(Debug, Default)]
 pub(crate) struct Draft {
     positions: Vec<Vec3>,
-    /// Empty, or one for each position.
-    colours: Vec<[f32; 3]>,
+    materials: Vec<Material>,
     /// As the file has them; made unit vectors at the end.
     normals: Vec<Vec3>,
     corners: Vec<Corner>,
@@ -225,6 +240,9 @@ pub(crate) struct Draft {
     face_ends: Vec<usize>,
     bad_positions: Tally,
     bad_colours: Tally,
+    /// The first bad colour.
+    bad_colour: [f32; 3],
+    missing: Vec<String>,
 }
 
 /// Corners of each triangle, indices of positions or of normals.
@@ -254,13 +272,36 @@ impl Draft {
         self.positions.push(position);
     }
 
-    /// Gives the position added last a colour, linear RGB; those before it that have none are white.
-    pub fn add_colour(&mut self, colour: [f32; 3], at: Place) {
-        if !colour.iter().all(|c| (0.0..=1.0).contains(c)) {
-            self.bad_colours.add(self.positions.len() - 1, at);
+    /// Adds a material of this albedo, linear RGB, and gives its index; faults name the position added last.
+    pub fn add_colour(&mut self, albedo: [f32; 3], at: Place) -> u32 {
+        self.check_colour(albedo, at);
+        self.add_material(Material::of_albedo(albedo))
+    }
+
+    /// Notes a fault of the position added last if this is no albedo.
+    pub fn check_colour(&mut self, albedo: [f32; 3], at: Place) {
+        if !is_albedo(albedo) {
+            if self.bad_colours.count == 0 {
+                self.bad_colour = albedo;
+            }
+            self.bad_colours.add(self.positions.len().saturating_sub(1), at);
         }
-        self.colours.resize(self.positions.len() - 1, WHITE);
-        self.colours.push(colour);
+    }
+
+    /// Adds a material and gives its index.
+    pub fn add_material(&mut self, material: Material) -> u32 {
+        self.materials.push(material);
+        self.materials.len() as u32 - 1
+    }
+
+    /// A material that was added.
+    pub fn material_mut(&mut self, index: u32) -> &mut Material {
+        &mut self.materials[index as usize]
+    }
+
+    /// Notes that something is not there, in a sentence.
+    pub fn note_missing(&mut self, sentence: String) {
+        self.missing.push(sentence);
     }
 
     /// Adds a normal of any length.
@@ -284,7 +325,12 @@ impl Draft {
 
     /// Checks what only the whole file shows, cuts faces into triangles, and turns the up axis.
     pub fn finish(mut self, options: &ReadOptions) -> Result<(Mesh, Repairs), MeshFault> {
-        for (what, count) in [("vertices", self.positions.len()), ("normals", self.normals.len())] {
+        let counts = [
+            ("vertices", self.positions.len()),
+            ("normals", self.normals.len()),
+            ("materials", self.materials.len()),
+        ];
+        for (what, count) in counts {
             if count >= u32::MAX as usize {
                 return Err(MeshFault::TooMany { what });
             }
@@ -299,15 +345,15 @@ impl Draft {
             dropped_vertex_count: self.bad_positions.count,
             dropped_face_count: self.faces().filter(|corners| !self.is_finite(corners)).count(),
             whitened_vertex_count: self.bad_colours.count,
+            missing: std::mem::take(&mut self.missing),
         };
-        let (triangles, normal_triangles) = self.cut_faces()?;
-        let mut mesh = Mesh { positions: self.positions, triangles, normals: None, albedo: None };
+        let Cut { triangles, normals, materials } = self.cut_faces()?;
+        let mut mesh = Mesh { positions: self.positions, triangles, ..Mesh::default() };
         if !self.normals.is_empty() {
-            mesh.normals = complete_normals(self.normals, normal_triangles, &mesh);
+            mesh.normals = complete_normals(self.normals, normals, &mesh);
         }
-        if !self.colours.is_empty() {
-            self.colours.resize(mesh.positions.len(), WHITE);
-            mesh.albedo = Some(self.colours);
+        if !self.materials.is_empty() {
+            mesh.materials = complete_materials(self.materials, materials);
         }
         if self.bad_positions.count > 0 {
             drop_non_finite_positions(&mut mesh);
@@ -332,61 +378,94 @@ impl Draft {
                 return Err(MeshFault::NonFinitePosition { at, vertex, count });
             }
             if let Tally { first: Some((vertex, at)), count } = self.bad_colours {
-                return Err(MeshFault::ColourRange { at, vertex, colour: self.colours[vertex], count });
+                return Err(MeshFault::ColourRange { at, vertex, colour: self.bad_colour, count });
             }
         } else if self.bad_colours.count > 0 {
-            for colour in &mut self.colours {
-                if !colour.iter().all(|c| (0.0..=1.0).contains(c)) {
-                    *colour = WHITE;
-                }
+            for material in self.materials.iter_mut().filter(|material| !is_albedo(material.albedo)) {
+                material.albedo = Material::WHITE.albedo;
             }
         }
         Ok(())
     }
 
-    /// The triangles of all faces whose positions are finite, as indices of positions and of normals.
-    fn cut_faces(&self) -> Result<(Triangles, Triangles), MeshFault> {
-        let mut triangles = Triangles::with_capacity(self.face_ends.len());
-        let mut normal_triangles =
-            Vec::with_capacity(if self.normals.is_empty() { 0 } else { self.face_ends.len() });
+    /// The triangles of all faces whose positions are finite.
+    fn cut_faces(&self) -> Result<Cut, MeshFault> {
+        let capacity = |is_used: bool| if is_used { self.face_ends.len() } else { 0 };
+        let mut cut = Cut {
+            triangles: Triangles::with_capacity(capacity(true)),
+            normals: Triangles::with_capacity(capacity(!self.normals.is_empty())),
+            materials: Triangles::with_capacity(capacity(!self.materials.is_empty())),
+        };
         let mut cutter = Cutter::default();
         for (face, corners) in self.faces().enumerate() {
             if !self.is_finite(corners) {
                 continue;
             }
             let points = corners.iter().map(|corner| self.positions[corner.position as usize]);
-            let cut = cutter
+            let triangles = cutter
                 .cut(points)
                 .map_err(|TooManyCorners| MeshFault::LargeConcaveFace { face, corners: corners.len() })?;
-            for triangle in cut {
-                triangles.push(triangle.map(|k| corners[k as usize].position));
+            for triangle in triangles {
+                cut.triangles.push(triangle.map(|k| corners[k as usize].position));
                 if !self.normals.is_empty() {
-                    normal_triangles.push(triangle.map(|k| corners[k as usize].normal));
+                    cut.normals.push(triangle.map(|k| corners[k as usize].normal));
+                }
+                if !self.materials.is_empty() {
+                    cut.materials.push(triangle.map(|k| corners[k as usize].material));
                 }
             }
         }
-        Ok((triangles, normal_triangles))
+        Ok(cut)
     }
+}
+
+/// Faces cut into triangles, as indices of positions, of normals, and of materials; the latter two empty where there
+/// are none.
+struct Cut {
+    triangles: Triangles,
+    normals: Triangles,
+    materials: Triangles,
+}
+
+fn is_albedo(colour: [f32; 3]) -> bool {
+    colour.iter().all(|c| (0.0..=1.0).contains(c))
+}
+
+/// The file's materials, with a white one for corners that have none; `None` if no corner has one.
+fn complete_materials(mut values: Vec<Material>, mut triangles: Triangles) -> Option<Materials> {
+    let corners = triangles.as_flattened_mut();
+    if corners.iter().all(|&material| material == Corner::NONE) {
+        return None;
+    }
+    if corners.contains(&Corner::NONE) {
+        let white = values.len() as u32;
+        values.push(Material::WHITE);
+        corners
+            .iter_mut()
+            .filter(|material| **material == Corner::NONE)
+            .for_each(|material| *material = white);
+    }
+    Some(Materials { values, triangles })
 }
 
 /// The file's normals, with computed ones for corners that have none or one without direction.
 ///
 /// `None` if no corner has a normal of its own.
 fn complete_normals(mut vectors: Vec<Vec3>, mut triangles: Vec<[u32; 3]>, mesh: &Mesh) -> Option<Normals> {
-    let missing = |vectors: &[Vec3], i: u32| i == Corner::NO_NORMAL || vectors[i as usize] == Vec3::ZERO;
+    let missing = |vectors: &[Vec3], i: u32| i == Corner::NONE || vectors[i as usize] == Vec3::ZERO;
     let missing_count = triangles.as_flattened().iter().filter(|&&i| missing(&vectors, i)).count();
     if missing_count == 3 * triangles.len() {
         return None;
     }
     if missing_count > 0 {
         let computed = normals::angle_weighted(&mesh.positions, &mesh.triangles);
-        let mut index_of_computed = vec![Corner::NO_NORMAL; computed.len()];
+        let mut index_of_computed = vec![Corner::NONE; computed.len()];
         let file_count = vectors.len();
         for (normal, &position) in triangles.as_flattened_mut().iter_mut().zip(mesh.triangles.as_flattened())
         {
             if missing(&vectors[..file_count], *normal) {
                 let index = &mut index_of_computed[position as usize];
-                if *index == Corner::NO_NORMAL {
+                if *index == Corner::NONE {
                     *index = vectors.len() as u32;
                     vectors.push(computed[position as usize]);
                 }
@@ -413,10 +492,6 @@ fn drop_non_finite_positions(mesh: &mut Mesh) {
             index
         })
         .collect();
-    if let Some(albedo) = &mut mesh.albedo {
-        let mut finite = mesh.positions.iter().map(|p| p.is_finite());
-        albedo.retain(|_| finite.next() == Some(true));
-    }
     mesh.positions.retain(|p| p.is_finite());
     for corners in &mut mesh.triangles {
         *corners = corners.map(|i| new_index[i as usize]);

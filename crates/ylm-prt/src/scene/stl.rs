@@ -197,7 +197,7 @@ impl Solid {
                 self.draft.add_position(DVec3::from(position), at);
                 next
             });
-            Corner { position: position_index, normal: Corner::NO_NORMAL }
+            Corner { position: position_index, normal: Corner::NONE, material: Corner::NONE }
         });
         self.draft.add_face(corners);
     }

@@ -65,7 +65,7 @@ impl Topology {
 }
 
 impl Mesh {
-    /// The mesh with one vertex for all that have equal positions; without normals and albedo.
+    /// The mesh with one vertex for all that have equal positions; without normals and materials.
     pub fn welded(&self) -> Mesh {
         let mut order: Vec<u32> = (0..self.positions.len() as u32).collect();
         let key = |i: u32| position_key(self.positions[i as usize]);
@@ -87,7 +87,7 @@ impl Mesh {
         let triangles = self.triangles.iter();
         let triangles =
             triangles.map(|corners| corners.map(|i| new_index[first_of[i as usize] as usize])).collect();
-        Mesh { positions, triangles, normals: None, albedo: None }
+        Mesh { positions, triangles, ..Mesh::default() }
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a bake leaves behind: points, transfer, and how they came about.
 
-use super::{BakeSettings, Transfer, TransferKind};
+use super::{BakeSettings, BounceEnd, Transfer, TransferKind};
 use crate::scene::{Blockers, LightingPoints};
 
 /// A baked scene: everything that relighting needs, and nothing of the light.
@@ -29,6 +29,8 @@ pub struct BakeRecord {
     pub bias: f32,
     /// How far from their start rays ended, in the world's units; infinity for no end, and for unshadowed transfer.
     pub t_max: f32,
+    /// The energy at which bounces ended; `None` if their number was given, or nothing bounced.
+    pub bounce_threshold: Option<f32>,
     /// The models' file names, without folders.
     pub source: Vec<String>,
     /// SHA-256 of the models' bytes one after the other, in hexadecimal; empty for a scene made in code.
@@ -60,7 +62,11 @@ impl BakeRecord {
     pub fn new(settings: &BakeSettings, source: Vec<String>, source_sha256: String) -> Self {
         let (rays, t_max) = match settings.kind {
             TransferKind::Unshadowed => (0, f32::INFINITY),
-            TransferKind::Shadowed => (settings.rays, settings.t_max),
+            TransferKind::Shadowed | TransferKind::Interreflected => (settings.rays, settings.t_max),
+        };
+        let bounce_threshold = match (settings.kind, settings.bounces.end) {
+            (TransferKind::Interreflected, BounceEnd::Energy(threshold)) => Some(threshold),
+            _ => None,
         };
         let ylm_version = env!("CARGO_PKG_VERSION").to_owned();
         Self {
@@ -69,6 +75,7 @@ impl BakeRecord {
             seed: settings.seed,
             bias: settings.bias,
             t_max,
+            bounce_threshold,
             source,
             source_sha256,
             blockers: Vec::new(),

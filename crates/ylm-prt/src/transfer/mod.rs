@@ -4,6 +4,7 @@
 //! irradiance at p. [Green03] "SH Lighting Diffuse Surfaces"
 
 mod baked;
+mod bounced;
 mod journal;
 mod order;
 mod samples;
@@ -13,8 +14,9 @@ mod sum;
 mod unshadowed;
 
 pub use baked::{BakeRecord, Baked, Precision};
+pub use bounced::Bounced;
 pub use journal::{Journal, Piece};
-pub use settings::{BakeSettings, TransferKind};
+pub use settings::{BakeSettings, BounceEnd, Bounces, KeptBounces, TransferKind};
 pub use shadowed::visible_shares;
 
 use ylm::Bands;
@@ -27,8 +29,10 @@ use crate::scene::{Bvh, LightingPoints};
 pub struct Transfer {
     /// Bands of each vector.
     pub bands: Bands,
-    /// Row-major [point, n²].
+    /// Of direct light, row-major [point, n²].
     pub vectors: Vec<f32>,
+    /// Of light that the scene reflects or sends out; `None` unless interreflected.
+    pub bounced: Option<Bounced>,
 }
 
 impl Transfer {
@@ -120,7 +124,9 @@ pub fn bake_with_journal(
     }
     match settings.kind {
         TransferKind::Unshadowed => unshadowed::bake(points, settings, progress),
-        TransferKind::Shadowed => shadowed::bake(points, bvh, settings, progress, journal),
+        TransferKind::Shadowed | TransferKind::Interreflected => {
+            shadowed::bake(points, bvh, settings, progress, journal)
+        }
     }
 }
 

@@ -36,7 +36,7 @@ pub fn bake(
     let width = settings.bands.coeff_count();
     let mut vectors = super::zeros(points.positions.len(), width)?;
     baker.each_batch(&mut vectors, width, journal, |batch, scratch| baker.project_batch(batch, scratch))?;
-    Ok(Transfer { bands: settings.bands, vectors })
+    Ok(Transfer { bands: settings.bands, vectors, bounced: None })
 }
 
 /// The share of the cosine-weighted hemisphere that each lighting point sees: ambient occlusion, from the same rays as

@@ -26,5 +26,5 @@ pub fn bake(points: &LightingPoints, settings: &BakeSettings, progress: &dyn Pro
             Ok(())
         },
     )?;
-    Ok(Transfer { bands: settings.bands, vectors })
+    Ok(Transfer { bands: settings.bands, vectors, bounced: None })
 }

@@ -10,6 +10,7 @@ fn triangle() -> Baked {
         normals: vec![Vec3::X, Vec3::Y, Vec3::Z],
         albedo: vec![[0.25, 0.5, 0.75], [1.0, 0.0, 0.125], [0.5, 0.5, 0.5]],
         triangles: vec![[0, 1, 2]],
+        emission: None,
     };
     let vectors = (0..12).map(|i| i as f32 * 0.5 - 2.0).collect();
     let record = BakeRecord {
@@ -18,6 +19,7 @@ fn triangle() -> Baked {
         seed: 7,
         bias: 0.5,
         t_max: f32::INFINITY,
+        bounce_threshold: None,
         source: vec!["triangle.ply".to_owned()],
         source_sha256: "0123456789abcdef".repeat(4),
         blockers: Vec::new(),
@@ -28,9 +30,26 @@ fn triangle() -> Baked {
     Baked {
         points,
         blockers: Blockers::default(),
-        transfer: Transfer { bands: Bands::new(2).unwrap(), vectors },
+        transfer: Transfer { bands: Bands::new(2).unwrap(), vectors, bounced: None },
         record,
     }
+}
+
+/// The same with two bounces and an emitter, each bounce by itself or their sum.
+fn interreflected(layer_counts: [usize; 2]) -> Baked {
+    let mut baked = triangle();
+    baked.points.emission = Some(vec![[0.0; 3], [4.0, 2.0, 1.0], [0.0; 3]]);
+    let [bounced, emitted] = layer_counts;
+    let layer = |k: usize| (0..36).map(|i| (i + k) as f32 * 0.25).collect();
+    let irradiance = |k: usize| (0..3).map(|i| [(i + k) as f32, 0.5, 0.0]).collect();
+    baked.transfer.bounced = Some(Bounced {
+        layers: (0..bounced).map(layer).collect(),
+        emitted: (0..emitted).map(irradiance).collect(),
+        energies: vec![[0.5, 0.25, 0.125], [0.25, 0.0625, 0.015625]],
+    });
+    baked.record.kind = TransferKind::Interreflected;
+    baked.record.bounce_threshold = Some(0.25);
+    baked
 }
 
 const HEADER: &str = concat!(
@@ -143,6 +162,42 @@ fn half_floats_round_to_nearest_underflow_gradually_and_never_overflow() {
 }
 
 #[test]
+fn bounces_and_emission_follow_the_direct_transfer() {
+    let (direct, whole) = (written(&triangle()), written(&interreflected([2, 3])));
+    let parts = |bytes: &[u8]| {
+        let length = u64::from_le_bytes(bytes[..8].try_into().unwrap()) as usize;
+        (String::from_utf8(bytes[8..8 + length].to_vec()).unwrap(), bytes[8 + length..].to_vec())
+    };
+    let ((_, direct), (header, bytes)) = (parts(&direct), parts(&whole));
+    let expected = concat!(
+        r#""transfer":{"dtype":"F32","shape":[3,4],"data_offsets":[120,168]},"#,
+        r#""emission":{"dtype":"F32","shape":[3,3],"data_offsets":[168,204]},"#,
+        r#""bounced":{"dtype":"F32","shape":[6,12],"data_offsets":[204,492]},"#,
+        r#""emitted":{"dtype":"F32","shape":[9,3],"data_offsets":[492,600]}}"#,
+    );
+    assert!(header.trim_end().ends_with(expected), "{header}");
+    let energies =
+        r#"\"bounce_energies\":[[0.5,0.25,0.125],[0.25,0.0625,0.015625]],\"bounce_threshold\":0.25,"#;
+    assert!(header.contains(energies) && header.contains(r#"\"format_version\":2"#), "{header}");
+    assert_eq!(bytes[..168], direct[..168]);
+    let numbers: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes[168..]);
+    assert_eq!(numbers[..9], [0.0, 0.0, 0.0, 4.0, 2.0, 1.0, 0.0, 0.0, 0.0]);
+    assert_eq!((numbers[9], numbers[10], numbers[9 + 36]), (0.0, 0.25, 0.25));
+    assert_eq!(numbers[9 + 72..9 + 72 + 6], [0.0, 0.5, 0.0, 1.0, 0.5, 0.0]);
+    for layers in [[1, 1], [1, 0], [2, 0], [2, 3]] {
+        let mut baked = interreflected(layers);
+        assert_eq!(parse_baked(&written(&baked)).unwrap(), baked);
+        // Quarters up to 9 are half floats.
+        baked.record.precision = Precision::Half;
+        assert_eq!(parse_baked(&written(&baked)).unwrap(), baked);
+    }
+    for layers in [[0, 1], [2, 1], [3, 0], [1, 2], [2, 2]] {
+        let fault = parse_baked(&written(&interreflected(layers))).unwrap_err().to_string();
+        assert!(fault.contains("which do not go with 3 points and 2 bounces"), "{layers:?}: {fault}");
+    }
+}
+
+#[test]
 fn every_truncation_is_refused() {
     let bytes = written(&triangle());
     for length in 0..bytes.len() {
@@ -195,7 +250,12 @@ fn an_unchanged_copy_by_another_writer_is_accepted() {
 #[test]
 fn each_lie_in_the_metadata_is_named() {
     let cases = [
-        (r#""format_version":1"#, r#""format_version":2"#, "format version 2, and this ylm reads 1"),
+        (r#""format_version":1"#, r#""format_version":3"#, "format version 3, and this ylm reads 1 to 2"),
+        (
+            r#""transfer":"shadowed""#,
+            r#""transfer":"interreflected""#,
+            "metadata «bounce_energies» must be three",
+        ),
         (r#""format":"baked""#, r#""format":"toast""#, "metadata «format» must be \"baked\""),
         ("Condon-Shortley, ", "", "metadata «convention» must be"),
         (r#""bands":2"#, r#""bands":0"#, "0 bands asked for"),
@@ -284,6 +344,61 @@ fn each_lie_in_the_tensors_is_named() {
     for (replaced, expected) in cases {
         let fault = fault_of(&changed("", "", std::slice::from_ref(&replaced)));
         assert_eq!(fault, expected);
+    }
+}
+
+#[test]
+fn each_lie_about_bounces_is_named() {
+    let none = || ("mine", Dtype::U8, &[0usize][..], vec![]);
+    let energies = "[[0.5,0.25,0.125],[0.25,0.0625,0.015625]]";
+    let negative = f32_bytes(&[0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0]);
+    let cases = [
+        (
+            r#""bounce_threshold":0.25"#,
+            r#""bounce_threshold":-1"#,
+            none(),
+            "metadata «bounce_threshold» must be",
+        ),
+        (
+            r#""bounce_threshold":0.25"#,
+            r#""bounce_threshold":null"#,
+            none(),
+            "metadata «bounce_threshold» must be",
+        ),
+        (energies, "[[0.5]]", none(), "metadata «bounce_energies» must be three finite numbers"),
+        (energies, "[[0.5,0.25,1e39]]", none(), "metadata «bounce_energies» must be three finite numbers"),
+        (energies, "[]", none(), "which do not go with 3 points and 0 bounces"),
+        ("", "", ("emission", Dtype::F32, &[3, 3], negative), "emission of point 1 is below 0"),
+        (
+            "",
+            "",
+            ("emission", Dtype::F32, &[2, 3], vec![0; 24]),
+            "tensor «emission» has shape [2, 3], must be [3, 3]",
+        ),
+        ("", "", ("bounced", Dtype::F32, &[], vec![]), "tensor «bounced» is missing"),
+        ("", "", ("emitted", Dtype::F32, &[], vec![]), "tensor «emitted» is missing"),
+        (
+            "",
+            "",
+            ("bounced", Dtype::F32, &[3, 4], vec![0; 48]),
+            "tensor «bounced» has shape [3, 4], must be [3, 12]",
+        ),
+        (
+            "",
+            "",
+            ("bounced", Dtype::F32, &[4, 12], vec![0; 192]),
+            "have 4 and 3 rows, which do not go with 3 points",
+        ),
+        (
+            "",
+            "",
+            ("bounced", Dtype::F16, &[3, 12], [0u8, 0x7c].repeat(36)),
+            "tensor «bounced» holds a value that is not finite, first in row 0",
+        ),
+    ];
+    for (from, to, replaced, expected) in cases {
+        let fault = fault_of(&changed_from(&interreflected([1, 1]), from, to, &[replaced]));
+        assert!(fault.contains(expected), "{from} → {to}: {fault}");
     }
 }
 

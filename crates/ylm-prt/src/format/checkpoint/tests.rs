@@ -14,8 +14,7 @@ fn settings() -> BakeSettings {
         kind: TransferKind::Shadowed,
         rays: 4096,
         seed: 3,
-        bias: BakeSettings::BIAS,
-        t_max: f32::INFINITY,
+        ..BakeSettings::default()
     }
 }
 
@@ -30,7 +29,13 @@ fn bowl() -> LightingPoints {
     let normals = positions.iter().map(|p| vec3(-2.0 * p.x, 1.0, -2.0 * p.z).normalize()).collect();
     let quads = (0..(side - 1) * (side - 1)).map(|i| i % (side - 1) + side * (i / (side - 1)));
     let triangles = quads.flat_map(|i| [[i, i + side, i + 1], [i + 1, i + side, i + side + 1]]).collect();
-    LightingPoints { albedo: vec![[1.0; 3]; positions.len()], positions, normals, triangles }
+    LightingPoints {
+        albedo: vec![[1.0; 3]; positions.len()],
+        positions,
+        normals,
+        triangles,
+        ..LightingPoints::default()
+    }
 }
 
 /// Cancels after so many reports of work, and counts the points that took no rays.

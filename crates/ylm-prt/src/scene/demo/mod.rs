@@ -252,7 +252,7 @@ mod tests {
         let normals = mesh.normals.as_ref().unwrap();
         assert!(mesh.positions.len() >= 20_000, "{} positions", mesh.positions.len());
         assert!(mesh.positions.len() <= 100_000, "{} positions", mesh.positions.len());
-        assert_eq!(mesh.albedo.as_ref().unwrap().len(), mesh.positions.len());
+        assert_eq!(mesh.materials.as_ref().unwrap().triangles.len(), mesh.triangles.len());
         assert_eq!(normals.triangles.len(), mesh.triangles.len());
         assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < mesh.positions.len()));
         assert!(normals.triangles.iter().flatten().all(|&i| (i as usize) < normals.vectors.len()));

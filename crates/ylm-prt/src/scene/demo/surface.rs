@@ -5,7 +5,7 @@ use std::collections::hash_map::Entry;
 
 use glam::{Quat, Vec3};
 
-use crate::scene::{Mesh, Normals};
+use crate::scene::{Material, Materials, Mesh, Normals};
 
 /// Triangles whose vertices carry a normal; a crease has two vertices at one place.
 ///
@@ -92,21 +92,19 @@ impl Surface {
 pub(super) struct Composition {
     mesh: Mesh,
     normals: Normals,
-    albedo: Vec<[f32; 3]>,
+    materials: Materials,
 }
 
 impl Composition {
     /// Adds a closed part of one colour, merging its vertices where position, or normal, are the same.
     pub fn add(&mut self, part: Surface, albedo: [f32; 3]) {
+        let material = self.materials.values.len() as u32;
+        self.materials.values.push(Material::of_albedo(albedo));
         let mut position_ids = HashMap::new();
         let mut normal_ids = HashMap::new();
         let mut corners_of = Vec::with_capacity(part.positions.len());
         for (&position, &normal) in part.positions.iter().zip(&part.normals) {
-            let next = self.mesh.positions.len();
             let position_id = merged(&mut position_ids, position, &mut self.mesh.positions);
-            if position_id as usize == next {
-                self.albedo.push(albedo);
-            }
             corners_of.push((position_id, merged(&mut normal_ids, normal, &mut self.normals.vectors)));
         }
         for corners in part.triangles {
@@ -116,13 +114,14 @@ impl Composition {
             if a != b && b != c && c != a {
                 self.mesh.triangles.push([a, b, c]);
                 self.normals.triangles.push(ids.map(|(_, normal)| normal));
+                self.materials.triangles.push([material; 3]);
             }
         }
     }
 
     /// The whole scene.
     pub fn finish(self) -> Mesh {
-        Mesh { normals: Some(self.normals), albedo: Some(self.albedo), ..self.mesh }
+        Mesh { normals: Some(self.normals), materials: Some(self.materials), ..self.mesh }
     }
 }
 

@@ -29,6 +29,14 @@ impl Accessors<'_> {
         usize::try_from(count).map_err(|_| GltfFault::AccessorWithoutData { accessor })
     }
 
+    /// Sees to it that an attribute has as many elements as the positions.
+    pub fn check_count(&self, accessor: usize, positions: usize) -> Result<(), GltfFault> {
+        match self.count(accessor)? {
+            count if count == positions => Ok(()),
+            count => Err(GltfFault::AttributeCount { accessor, count, positions }),
+        }
+    }
+
     /// Positions: floats, or with KHR_mesh_quantization integers.
     pub fn positions(&self, accessor: usize) -> Result<Vec<DVec3>, GltfFault> {
         let expected = "positions are VEC3 of floats, or with KHR_mesh_quantization of 8 or 16 bits";
@@ -63,6 +71,17 @@ impl Accessors<'_> {
         Ok(numbers.chunks_exact(width).map(|c| [c[0] as f32, c[1] as f32, c[2] as f32]).collect())
     }
 
+    /// Texture coordinates: floats or normalised unsigned integers.
+    pub fn texture_coordinates(&self, accessor: usize) -> Result<Vec<[f64; 2]>, GltfFault> {
+        let expected = "texture coordinates are VEC2 of floats or of normalized unsigned 8 or 16 bits";
+        let elements = self.elements(accessor, &[Type::Vec2], expected)?;
+        match (elements.component, elements.is_normalized) {
+            (ComponentType::F32, _) | (ComponentType::U8 | ComponentType::U16, true) => {}
+            _ => return Err(GltfFault::AccessorType { accessor, expected }),
+        }
+        Ok(elements.numbers().as_chunks().0.to_vec())
+    }
+
     /// Indices: unsigned integers.
     pub fn indices(&self, accessor: usize) -> Result<Vec<u32>, GltfFault> {
         let expected = "indices are SCALAR of unsigned integers";
@@ -82,6 +101,7 @@ impl Accessors<'_> {
         let component = component.0;
         let width = match type_ {
             Type::Scalar => 1,
+            Type::Vec2 => 2,
             Type::Vec3 => 3,
             _ => 4,
         };
@@ -135,15 +155,8 @@ impl Accessors<'_> {
         Ok(())
     }
 
-    /// The bytes of `count` elements of `size` bytes each, from byte `offset` of a buffer view, packed.
-    fn gather(
-        &self,
-        accessor: usize,
-        view_index: usize,
-        offset: u64,
-        count: usize,
-        size: usize,
-    ) -> Result<Vec<u8>, GltfFault> {
+    /// The bytes of a buffer view.
+    pub fn view(&self, view_index: usize) -> Result<&[u8], GltfFault> {
         let view = get(&self.root.buffer_views, view_index, "buffer view")?;
         let buffer_index = view.buffer.value();
         let buffer = self.buffers.get(buffer_index)?;
@@ -153,10 +166,23 @@ impl Accessors<'_> {
             let length = buffer.len() as u64;
             return Err(GltfFault::ViewRange { view: view_index, end, buffer: buffer_index, length });
         }
-        let bytes = &buffer[start as usize..end as usize];
+        Ok(&buffer[start as usize..end as usize])
+    }
+
+    /// The bytes of `count` elements of `size` bytes each, from byte `offset` of a buffer view, packed.
+    fn gather(
+        &self,
+        accessor: usize,
+        view_index: usize,
+        offset: u64,
+        count: usize,
+        size: usize,
+    ) -> Result<Vec<u8>, GltfFault> {
+        let bytes = self.view(view_index)?;
+        let view = &self.root.buffer_views[view_index];
         let stride = view.byte_stride.map_or(size, |stride| stride.0);
-        let is_suitable =
-            stride >= size && (view.byte_stride.is_none() || (4..=252).contains(&stride) && stride % 4 == 0);
+        let is_suitable = stride >= size
+            && (view.byte_stride.is_none() || (4..=252).contains(&stride) && stride.is_multiple_of(4));
         if !is_suitable {
             return Err(GltfFault::Stride { view: view_index, stride, accessor });
         }

@@ -1,13 +1,14 @@
 //! Where the bytes of a glTF file are: GLB chunks, data URIs, files beside it.
 
 use std::collections::HashMap;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use gltf::json::Root;
 
+use crate::scene::beside::{path_beside, read_file};
 use crate::scene::gltf::{GltfFault, get};
 use crate::scene::read::excerpt;
 
@@ -80,23 +81,26 @@ impl<'a> Buffers<'a> {
                     Source::Blob(blob.ok_or(GltfFault::BufferWithoutData { buffer: index })?)
                 }
                 None => return Err(GltfFault::BufferWithoutData { buffer: index }),
-                Some(uri) => Source::Loaded(match data_uri(uri, index)? {
-                    Some(data) => {
+                Some(uri) => Source::Loaded(match parse_uri(uri, folder, index)? {
+                    Uri::Data(data) => {
                         byte_count += data.len();
                         data.into()
                     }
-                    None => {
-                        let path = path_in_folder(uri, folder, index)?;
-                        match files.get(&path) {
-                            Some(data) => Rc::clone(data),
-                            None => {
-                                let data: Rc<[u8]> = read_file(&path, uri, index)?.into();
-                                byte_count += data.len();
-                                files.insert(path, Rc::clone(&data));
-                                data
-                            }
+                    Uri::File(path) => match files.get(&path) {
+                        Some(data) => Rc::clone(data),
+                        None => {
+                            let data: Rc<[u8]> = read_file(&path)
+                                .map_err(|reason| GltfFault::BufferFile {
+                                    buffer: index,
+                                    uri: excerpt(uri.as_bytes()),
+                                    reason,
+                                })?
+                                .into();
+                            byte_count += data.len();
+                            files.insert(path, Rc::clone(&data));
+                            data
                         }
-                    }
+                    },
                 }),
             };
             let length = source.bytes().len();
@@ -125,56 +129,48 @@ impl Source<'_> {
     }
 }
 
-/// The data of a data URI; `None` for another URI. [RFC 2397]
-fn data_uri(uri: &str, buffer: usize) -> Result<Option<Vec<u8>>, GltfFault> {
-    let Some(rest) = uri.get(..5).filter(|scheme| scheme.eq_ignore_ascii_case("data:")).map(|_| &uri[5..])
-    else {
-        return Ok(None);
-    };
-    let fault = |reason: &str| GltfFault::DataUri { buffer, reason: reason.to_owned() };
-    let (kind, data) = rest.split_once(',').ok_or_else(|| fault("no comma"))?;
-    let data = percent_decode(data).ok_or_else(|| fault("a broken percent code"))?;
-    if !kind.to_ascii_lowercase().ends_with(";base64") {
-        return Ok(Some(data));
-    }
-    let config = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
-    let base64 = GeneralPurpose::new(&base64::alphabet::STANDARD, config);
-    base64.decode(&data).map(Some).map_err(|error| fault(error.to_string().trim_end_matches('.')))
+fn parse_uri(uri: &str, folder: &Path, buffer: usize) -> Result<Uri, GltfFault> {
+    Uri::parse(uri, folder).map_err(|fault| match fault {
+        UriFault::Outside => GltfFault::UriOutside { buffer, uri: excerpt(uri.as_bytes()) },
+        UriFault::Data(reason) => GltfFault::DataUri { buffer, reason },
+    })
 }
 
-/// The path that a URI names, which must lie in the folder, however it is written. [RFC 3986]
-fn path_in_folder(uri: &str, folder: &Path, buffer: usize) -> Result<PathBuf, GltfFault> {
-    let outside = || GltfFault::UriOutside { buffer, uri: excerpt(uri.as_bytes()) };
-    let decoded = percent_decode(uri).and_then(|bytes| String::from_utf8(bytes).ok()).ok_or_else(outside)?;
-    let has_scheme = decoded.split('/').next().is_some_and(|first| first.contains(':'));
-    if has_scheme || decoded.contains(['\\', '\0']) {
-        return Err(outside());
-    }
-    // `..` is resolved by name, so that it cannot follow a link to elsewhere.
-    let mut names = Vec::new();
-    for component in Path::new(&decoded).components() {
-        match component {
-            Component::Normal(name) => names.push(name),
-            Component::CurDir => {}
-            Component::ParentDir => {
-                names.pop().ok_or_else(outside)?;
-            }
-            Component::RootDir | Component::Prefix(_) => return Err(outside()),
+/// What a URI names. [RFC 2397], [RFC 3986]
+pub(super) enum Uri {
+    /// The data it is itself.
+    Data(Vec<u8>),
+    /// A file in the folder.
+    File(PathBuf),
+}
+
+/// Why a URI is of no use.
+pub(super) enum UriFault {
+    /// It leaves the folder, or is no relative path.
+    Outside,
+    /// Its data cannot be decoded.
+    Data(String),
+}
+
+impl Uri {
+    pub fn parse(uri: &str, folder: &Path) -> Result<Self, UriFault> {
+        let rest = uri.get(..5).filter(|scheme| scheme.eq_ignore_ascii_case("data:")).map(|_| &uri[5..]);
+        let Some(rest) = rest else {
+            let decoded = percent_decode(uri).and_then(|bytes| String::from_utf8(bytes).ok());
+            let path = decoded.and_then(|decoded| path_beside(&decoded, folder));
+            return path.map(Self::File).ok_or(UriFault::Outside);
+        };
+        let fault = |reason: &str| UriFault::Data(reason.to_owned());
+        let (kind, data) = rest.split_once(',').ok_or_else(|| fault("no comma"))?;
+        let data = percent_decode(data).ok_or_else(|| fault("a broken percent code"))?;
+        if !kind.to_ascii_lowercase().ends_with(";base64") {
+            return Ok(Self::Data(data));
         }
+        let config = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
+        let base64 = GeneralPurpose::new(&base64::alphabet::STANDARD, config);
+        let decoded = base64.decode(&data);
+        decoded.map(Self::Data).map_err(|error| fault(error.to_string().trim_end_matches('.')))
     }
-    if names.is_empty() {
-        return Err(outside());
-    }
-    Ok(names.iter().fold(folder.to_owned(), |path, name| path.join(name)))
-}
-
-fn read_file(path: &Path, uri: &str, buffer: usize) -> Result<Vec<u8>, GltfFault> {
-    let fault = |reason: String| GltfFault::BufferFile { buffer, uri: excerpt(uri.as_bytes()), reason };
-    // A pipe or device may never end.
-    if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
-        return Err(fault("is no file".to_owned()));
-    }
-    std::fs::read(path).map_err(|error| fault(error.to_string()))
 }
 
 /// The bytes of a text with codes `%41`; `None` if one is broken.

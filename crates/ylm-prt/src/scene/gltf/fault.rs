@@ -230,6 +230,45 @@ pub enum GltfFault {
         /// The operating system's reason.
         reason: String,
     },
+    /// A texture without the coordinates to look it up at.
+    #[error(
+        "mesh {mesh}, primitive {primitive}: its material's texture needs TEXCOORD_{set}, which it lacks"
+    )]
+    NoTextureCoordinates {
+        /// The mesh.
+        mesh: usize,
+        /// Its primitive.
+        primitive: usize,
+        /// Which set of coordinates.
+        set: u32,
+    },
+    /// A texture whose picture is in an extension's format.
+    #[error(
+        "texture {texture} has no PNG or JPEG picture; export the file with such, or give --albedo R,G,B instead"
+    )]
+    TextureWithoutImage {
+        /// The texture.
+        texture: usize,
+    },
+    /// A picture that cannot be read.
+    #[error("image {image}{}: {reason}; --albedo R,G,B takes the place of textures",
+        if name.is_empty() { String::new() } else { format!(" `{name}`") })]
+    Image {
+        /// The image.
+        image: usize,
+        /// Its file; empty if it is in the file itself.
+        name: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// An emission that no surface has.
+    #[error("material {material}: its emission {emission:?} is not finite or below 0")]
+    Emission {
+        /// The material.
+        material: usize,
+        /// Factor times strength.
+        emission: [f32; 3],
+    },
     /// Nodes and primitives that repeat data beyond what the file justifies.
     #[error("repeats its meshes to more than {max} vertices and corners")]
     TooManyInstances {

@@ -81,7 +81,9 @@ fn byte_colours_are_srgb_and_float_colours_linear() {
         let names = ["red", "green", "blue"].map(|name| format!("property {scalar} {name}\n")).concat();
         VERTICES.replace("vertex 3", "vertex 1") + &names
     };
-    let albedo = |header: String, body| ascii(&header, body).unwrap().albedo.unwrap()[0];
+    let albedo = |header: String, body: &str| {
+        ascii(&(header + FACES), &format!("{body}3 0 0 0\n")).unwrap().material(0, 0).albedo
+    };
     let [r, g, b] = albedo(colour("uchar"), "0 0 0 255 0 188\n");
     // sRGB 188 is linear 0.502886 by the standard's formula.
     assert!((r, g) == (1.0, 0.0) && (b - 0.502_886_5).abs() <= 1e-6, "{r} {g} {b}");
