@@ -32,10 +32,10 @@ macro_rules! impl_kernels {
     ($float:ty) => {
         impl ProductKernels for $float {
             fn run_grid(level: Level, batch: grid::kernel::Batch<'_, Self>) {
-                level.run(batch);
+                grid::kernel::run(level, batch);
             }
             fn run_grid_single(level: Level, batch: grid::kernel::Batch<'_, Self>) {
-                level.run_single(batch);
+                level.run_single(grid::kernel::OfBands::<Self, 0>(batch));
             }
             fn run_gaunt(level: Level, batch: Pairs<'_, Self, gaunt::Tensor<Self>>) {
                 level.run(batch);

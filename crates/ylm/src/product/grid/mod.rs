@@ -5,6 +5,9 @@
 //! intermediate truncation, however many factors there are. The transforms are separated (Legendre sums for each order m,
 //! then Fourier sums along each ring) and use the symmetries of both: O(n³) for a function.
 //!
+//! Tried and not kept: leaving out the orders that vanish near the poles, and fewer points on the rings there, saves 7 % of the
+//! multiply-adds at 20 bands in f32 and 13 % at 32, less than half of that in f64, for rings of different sizes.
+//!
 //! One row (function) of a batch runs in each lane of a vector, so rows never meet: a NaN or an overflow in one row stays
 //! in that row.
 
@@ -141,8 +144,10 @@ impl<T: Real> Grid<T> {
 
     /// Multiply-adds of one product of functions that differ in every row, additions and multiplications not counted.
     pub fn multiply_adds(&self, factor_count: usize) -> usize {
-        let Size { bands, half_rings, quarter } = self.table.size;
-        let transform = bands * bands * half_rings + 2 * half_rings * quarter * 2 * (bands - 1);
+        let size @ Size { bands, half_rings, quarter } = self.table.size;
+        let [fours, twos, odds] = size.orders();
+        let ring = 2 * (fours + twos) * quarter.div_ceil(2) + 2 * odds * quarter;
+        let transform = bands * bands * half_rings + 2 * half_rings * ring;
         (factor_count + 1) * transform
     }
 
