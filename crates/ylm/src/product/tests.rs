@@ -240,7 +240,7 @@ const F32: f64 = 1e-6;
 const F64: f64 = 1e-13;
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(64))]
     #[test]
     fn every_method_equals_dense_quadrature_and_every_other(
         n in 1usize..12,
@@ -352,5 +352,24 @@ fn a_chain_of_functions_whose_product_fits_the_bands_is_exact() {
             let error = error_of_norm(chain, exact, *norm);
             assert!(error <= F64, "{way:?}: {error:e}");
         }
+    }
+}
+
+#[test]
+fn quadrature_and_fourier_space_agree_on_seven_factors_of_32_bands() {
+    let case = Case::<f32>::new(32, 7, 2, Second::Any, 9);
+    let wide = case.widened();
+    let (exact, norms) = (Way::Product(Method::Fourier).multiply(&wide), wide.norms());
+    let count = case.count();
+    let check = |way: Way, out: Vec<f64>, tolerance: f64| {
+        for ((out, exact), norm) in out.chunks(count).zip(exact.chunks(count)).zip(&norms) {
+            let error = error_of_norm(out, exact, *norm);
+            assert!(error <= tolerance, "{way:?}: {error:e}");
+        }
+    };
+    for level in Level::available() {
+        let way = Way::Grid(level);
+        check(way, way.multiply(&wide), F64);
+        check(way, way.multiply(&case).into_iter().map(f64::from).collect(), F32);
     }
 }

@@ -146,7 +146,8 @@ impl<T: Real> Table<T> {
                 }
             }
         }
-        let in_order = |place: usize| if place % 2 == 0 { angle(place / 2) } else { mirrored(place / 2) };
+        let in_order =
+            |place: usize| if place.is_multiple_of(2) { angle(place / 2) } else { mirrored(place / 2) };
         let half_angles: Vec<f64> = (0..size.quarter.div_ceil(2)).map(angle).collect();
         let all_angles: Vec<f64> = (0..size.quarter).map(in_order).collect();
         let mut analysis = Vec::new();

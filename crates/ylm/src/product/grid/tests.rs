@@ -34,7 +34,8 @@ const F64: f64 = 1e-13;
 fn grid_equals_dense_quadrature() {
     for n in [1, 2, 3, 4, 5, 6, 7, 8, 9, 13, 16, 21, 32] {
         for factor_count in [1, 2, 3, 5, 7] {
-            if n < 32 || factor_count != 5 {
+            // The dense rule for more takes seconds and a quarter of a gigabyte: Fourier space judges there (product::tests).
+            if n * factor_count <= 150 {
                 check::<f32>(n, factor_count, 3, 1, F32);
                 check::<f64>(n, factor_count, 3, 2, F64);
             }
