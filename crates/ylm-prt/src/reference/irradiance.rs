@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::{DVec3, Mat3, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
 
+use super::near;
 use super::samples::{point, seed};
 use crate::error::{Error, Result};
 use crate::light::{Light, LightSampler};
@@ -83,6 +84,8 @@ impl Irradiance {
 /// "Optimally Combining Sampling Techniques". The sample points are scrambled Sobol points of each point's own, decided
 /// by the seed and the point's index alone: any subset, and any number of threads, gives the same values.
 ///
+/// A ray towards a lamp that stands somewhere ends there: what is behind the lamp does not block it. Lamps block nothing.
+///
 /// `watch` is told how many more points are done, from any thread, and stops the work by answering false.
 ///
 /// Units: radiance in, irradiance out. Error: [`Irradiance::standard_errors`]. Cost: `rays` rays a point.
@@ -97,6 +100,9 @@ pub fn irradiance(
     settings: &Settings,
     watch: &(dyn Fn(usize) -> bool + Sync),
 ) -> Result<Irradiance> {
+    if light.is_local() {
+        return near::irradiance(points, at, occlusion, light, settings, watch);
+    }
     let sampler = light.sampler()?;
     let radiance = |direction| light.radiance(direction);
     irradiance_of(points, at, occlusion, &radiance, Some(&sampler), settings, watch)
@@ -115,6 +121,24 @@ pub fn irradiance_of(
     settings: &Settings,
     watch: &(dyn Fn(usize) -> bool + Sync),
 ) -> Result<Irradiance> {
+    let integrator = Integrator { points, occlusion, radiance, sampler, settings };
+    let estimate = |index: usize, half: u64, scratch: &mut Scratch| Ok(integrator.half(index, half, scratch));
+    at_each(points, at, watch, &estimate)
+}
+
+/// An estimate of one half at one point, by index.
+type Estimate<'a> = dyn Fn(usize, u64, &mut Scratch) -> Result<Vec3> + Sync + 'a;
+
+/// Estimates the irradiance of each of the points `at`, both halves.
+///
+/// # Errors
+/// If an index is out of range, an estimate fails, or `watch` stopped the work.
+pub(super) fn at_each(
+    points: &LightingPoints,
+    at: &[u32],
+    watch: &(dyn Fn(usize) -> bool + Sync),
+    estimate: &Estimate,
+) -> Result<Irradiance> {
     /// Points a thread does before it reports.
     const CHUNK: usize = 64;
     if let Some(&index) = at.iter().find(|&&index| index as usize >= points.positions.len()) {
@@ -123,21 +147,23 @@ pub fn irradiance_of(
             points.positions.len()
         )));
     }
-    let integrator = Integrator { points, occlusion, radiance, sampler, settings };
     let is_stopped = AtomicBool::new(false);
     let mut halves = vec![[Vec3::ZERO; 2]; at.len()];
-    halves.par_chunks_mut(CHUNK).zip(at.par_chunks(CHUNK)).for_each(|(halves, indices)| {
+    halves.par_chunks_mut(CHUNK).zip(at.par_chunks(CHUNK)).try_for_each(|(halves, indices)| {
         if is_stopped.load(Ordering::Relaxed) {
-            return;
+            return Ok(());
         }
         let mut scratch = Scratch::default();
         for (halves, &index) in halves.iter_mut().zip(indices) {
-            *halves = [0, 1].map(|half| integrator.half(index as usize, half, &mut scratch));
+            for (half, value) in (0..).zip(halves) {
+                *value = estimate(index as usize, half, &mut scratch)?;
+            }
         }
         if !watch(indices.len()) {
             is_stopped.store(true, Ordering::Relaxed);
         }
-    });
+        Result::Ok(())
+    })?;
     if is_stopped.into_inner() {
         return Err(Error::Interrupted);
     }
@@ -156,76 +182,94 @@ struct Integrator<'a> {
 }
 
 /// A direction above the surface, and what it adds where it is open.
-struct Sample {
-    direction: Vec3,
-    irradiance: Vec3,
+pub(super) struct Sample {
+    pub direction: Vec3,
+    pub irradiance: Vec3,
 }
 
 /// Buffers of a thread.
 #[derive(Default)]
-struct Scratch {
-    samples: Vec<Sample>,
+pub(super) struct Scratch {
+    pub samples: Vec<Sample>,
     directions: Vec<Vec3>,
     blocked: Vec<u64>,
 }
 
-impl Integrator<'_> {
-    /// The estimate of one of the two halves.
-    fn half(&self, index: usize, half: u64, scratch: &mut Scratch) -> Vec3 {
-        let Scratch { samples, directions, blocked } = scratch;
-        samples.clear();
-        self.draw(index, half, samples);
-        if let Occlusion::By(bvh) = self.occlusion {
+impl Scratch {
+    /// The sum of what is open of the samples; sorts them.
+    pub fn sum_open(&mut self, vantage: &Vantage, occlusion: Occlusion) -> DVec3 {
+        let Self { samples, directions, blocked } = self;
+        if let Occlusion::By(bvh) = occlusion {
             // Rays go in bundles, which are the faster the closer together they are.
             samples.sort_by_key(|sample| cell(sample.direction));
             directions.clear();
             directions.extend(samples.iter().map(|sample| sample.direction));
             let directions = Directions::new(directions);
             blocked.resize(directions.word_count(), 0);
-            let (position, normal) = (self.points.positions[index], self.points.normals[index]);
-            let Settings { bias, t_max, .. } = *self.settings;
-            let vantage = Vantage { position, normal, bias, t_max };
-            bvh.blocked(&vantage, &Mat3::IDENTITY, &directions, blocked);
+            bvh.blocked(vantage, &Mat3::IDENTITY, &directions, blocked);
         } else {
             blocked.clear();
             blocked.resize(samples.len().div_ceil(64), 0);
         }
         let is_open = |k: usize| blocked[k / 64] >> (k % 64) & 1 == 0;
         let open = samples.iter().enumerate().filter(|&(k, _)| is_open(k));
-        open.map(|(_, sample)| sample.irradiance.as_dvec3()).sum::<DVec3>().as_vec3()
+        open.map(|(_, sample)| sample.irradiance.as_dvec3()).sum()
     }
+}
 
-    /// Samples of both techniques, those that add nothing left out.
-    fn draw(&self, index: usize, half: u64, samples: &mut Vec<Sample>) {
-        let normal = self.points.normals[index];
-        let (tangent, bitangent) = normal.any_orthonormal_pair();
-        let rays = self.settings.rays.div_ceil(4).max(1) * 2;
-        let (by_cosine, by_light) = if self.sampler.is_some() { (rays / 2, rays / 2) } else { (rays, 0) };
-        // Expected number of samples per steradian of both techniques together: the balance heuristic divides by it.
-        let density =
-            |cosine: f32, light_pdf: f32| by_cosine as f32 * (cosine / PI) + by_light as f32 * light_pdf;
-        let stream = |technique: u64| seed(self.settings.seed, index as u64, 2 * half + technique);
-        let mut add = |direction: Vec3, radiance: Vec3, cosine: f32, light_pdf: f32| {
-            if cosine > 0.0 && radiance != Vec3::ZERO {
-                let irradiance = radiance * (cosine / density(cosine, light_pdf));
-                samples.push(Sample { direction, irradiance });
+impl Integrator<'_> {
+    /// The estimate of one of the two halves.
+    fn half(&self, index: usize, half: u64, scratch: &mut Scratch) -> Vec3 {
+        let samples = &mut scratch.samples;
+        samples.clear();
+        let (position, normal) = (self.points.positions[index], self.points.normals[index]);
+        let Settings { bias, t_max, .. } = *self.settings;
+        draw(normal, index, half, self.settings, self.sampler, &mut |direction, radiance, weight| {
+            let radiance = radiance.unwrap_or_else(|| (self.radiance)(direction));
+            if radiance != Vec3::ZERO {
+                samples.push(Sample { direction, irradiance: radiance * weight });
             }
-        };
-        let cosine_stream = stream(0);
-        for k in 0..by_cosine {
-            let [u, v] = point(k, cosine_stream);
-            let (sin, cos) = (TAU * v).sin_cos();
-            let (across, cosine) = (u.sqrt(), (1.0 - u).sqrt());
-            let direction = across * cos * tangent + across * sin * bitangent + cosine * normal;
-            let light_pdf = self.sampler.map_or(0.0, |sampler| sampler.pdf(direction));
-            add(direction, (self.radiance)(direction), cosine, light_pdf);
+        });
+        scratch.sum_open(&Vantage { position, normal, bias, t_max }, self.occlusion).as_vec3()
+    }
+}
+
+/// Draws the directions of one half above the surface by both techniques: brings each, the radiance where the sampler knows
+/// it, and what that is to be multiplied by.
+pub(super) fn draw(
+    normal: Vec3,
+    index: usize,
+    half: u64,
+    settings: &Settings,
+    sampler: Option<&dyn DirectionSampler>,
+    bring: &mut dyn FnMut(Vec3, Option<Vec3>, f32),
+) {
+    let (tangent, bitangent) = normal.any_orthonormal_pair();
+    let rays = settings.rays.div_ceil(4).max(1) * 2;
+    let (by_cosine, by_light) = if sampler.is_some() { (rays / 2, rays / 2) } else { (rays, 0) };
+    // Expected number of samples per steradian of both techniques together: the balance heuristic divides by it.
+    let density =
+        |cosine: f32, light_pdf: f32| by_cosine as f32 * (cosine / PI) + by_light as f32 * light_pdf;
+    let stream = |technique: u64| seed(settings.seed, index as u64, 2 * half + technique);
+    let mut add = |direction: Vec3, radiance: Option<Vec3>, cosine: f32, light_pdf: f32| {
+        if cosine > 0.0 {
+            bring(direction, radiance, cosine / density(cosine, light_pdf));
         }
-        let Some(sampler) = self.sampler else { return };
-        let light_stream = stream(1);
-        for k in 0..by_light {
-            let (direction, radiance, pdf) = sampler.sample(point(k, light_stream));
-            add(direction, radiance, direction.dot(normal), pdf);
-        }
+    };
+    let cosine_stream = stream(0);
+    for k in 0..by_cosine {
+        let [u, v] = point(k, cosine_stream);
+        let (sin, cos) = (TAU * v).sin_cos();
+        let (across, cosine) = (u.sqrt(), (1.0 - u).sqrt());
+        let direction = across * cos * tangent + across * sin * bitangent + cosine * normal;
+        let light_pdf = sampler.map_or(0.0, |sampler| sampler.pdf(direction));
+        add(direction, None, cosine, light_pdf);
+    }
+    let Some(sampler) = sampler else { return };
+    let light_stream = stream(1);
+    for k in 0..by_light {
+        let (direction, radiance, pdf) = sampler.sample(point(k, light_stream));
+        add(direction, Some(radiance), direction.dot(normal), pdf);
     }
 }
 

@@ -3,6 +3,7 @@
 //! It shares nothing with the mathematics and the bake that it judges: neither expansion, nor transfer, nor samples.
 
 mod irradiance;
+mod near;
 mod samples;
 
 pub use irradiance::{DirectionSampler, Irradiance, Occlusion, Settings, irradiance, irradiance_of};
