@@ -101,6 +101,9 @@ impl Cap {
 ///
 /// [Green03] "Proxy shadows", of Alex Evans
 pub fn dim(light: &LightCoeffs, caps: &[Cap]) -> Result<LightCoeffs> {
+    if caps.is_empty() {
+        return Ok(light.clone());
+    }
     let product = CapProduct::<f32>::new(light.bands);
     let mut coeffs = light.channels.concat();
     let mut scratch = Scratch::default();

@@ -22,22 +22,27 @@ const TOLERANCE: f32 = 4.0 * f32::EPSILON;
 /// Error: of the channels given back as tint · function, 4.8e-7 of each one's largest coefficient; none where the channels are
 /// equal.
 pub fn split(light: &LightCoeffs) -> Option<GreyLight> {
-    let largest = light.channels.each_ref().map(|channel| channel.iter().fold(0.0f32, |m, c| m.max(c.abs())));
+    split_channels(light.channels.each_ref().map(Vec::as_slice))
+}
+
+/// [`split`] of channels of any length, as those of many lights in a row.
+pub(super) fn split_channels(channels: [&[f32]; 3]) -> Option<GreyLight> {
+    let largest = channels.map(|channel| channel.iter().fold(0.0f32, |m, c| m.max(c.abs())));
     let strongest = (0..3).fold(0, |best, c| if largest[c] > largest[best] { c } else { best });
-    let coeffs = &light.channels[strongest];
+    let coeffs = channels[strongest];
     let peak = coeffs.iter().fold(0.0f32, |peak, &c| if c.abs() > peak.abs() { c } else { peak });
     if peak == 0.0 {
-        return Some(GreyLight { tint: Vec3::ONE, coeffs: coeffs.clone() });
+        return Some(GreyLight { tint: Vec3::ONE, coeffs: coeffs.to_vec() });
     }
     let at = coeffs.iter().position(|&c| c == peak)?;
-    let tint = light.channels.each_ref().map(|channel| channel[at] / peak);
+    let tint = channels.map(|channel| channel[at] / peak);
     let is_multiple = |channel: usize| {
-        let pairs = light.channels[channel].iter().zip(coeffs);
+        let pairs = channels[channel].iter().zip(coeffs);
         let bound = TOLERANCE * largest[channel];
         pairs.into_iter().all(|(c, grey)| (c - tint[channel] * grey).abs() <= bound)
     };
     let is_grey = (0..3).all(|channel| tint[channel] >= 0.0 && is_multiple(channel));
-    is_grey.then(|| GreyLight { tint: Vec3::from(tint), coeffs: coeffs.clone() })
+    is_grey.then(|| GreyLight { tint: Vec3::from(tint), coeffs: coeffs.to_vec() })
 }
 
 #[cfg(test)]

@@ -7,12 +7,15 @@
 //! | [`shade_linear`] | 2 bands, no shadows, nothing baked | 4 multiply-adds a channel |
 
 mod ball;
+mod cage;
 mod diffuse;
 pub mod grey;
 mod incident;
 mod linear;
+mod near;
 
 pub use ball::{Ball, Cap, Shadowed, dim};
 pub use diffuse::shade_diffuse;
 pub use incident::{Far, Incident, shade_diffuse_under};
 pub use linear::{LinearIrradiance, shade_linear};
+pub use near::{AtEachPoint, Blend, LightSamples, MAX_SAMPLES, Project};
