@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use ylm_prt::error::Result;
 use ylm_prt::light::LightCoeffs;
 use ylm_prt::scene::{Blockers, Bvh, LightingPoints, Mesh, ball};
-use ylm_prt::shade::{Ball, dim, shade_diffuse};
+use ylm_prt::shade::{Ball, Cap, shade_diffuse};
 use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, TransferKind, bake};
 
 use crate::options;
@@ -65,16 +65,9 @@ impl BallOptions {
         (!self.balls.is_empty()).then_some(self.ball_shadow)
     }
 
-    /// The light as the balls leave it in the middle of the points.
-    ///
-    /// # Errors
-    /// As [`dim`].
-    pub fn dimmed(&self, light: &LightCoeffs, points: &LightingPoints) -> Result<LightCoeffs> {
-        let infinite = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        let [low, high] =
-            points.positions.iter().fold(infinite, |[low, high], p| [low.min(*p), high.max(*p)]);
-        let middle = low.midpoint(high);
-        dim(light, &self.balls.iter().map(|ball| ball.seen_from(middle)).collect::<Vec<_>>())
+    /// What the balls cover, seen from one place.
+    pub fn seen_from(&self, place: Vec3) -> Vec<Cap> {
+        self.balls.iter().map(|ball| ball.seen_from(place)).collect()
     }
 
     /// The scene and the balls together.

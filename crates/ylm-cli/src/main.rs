@@ -7,6 +7,7 @@ mod demo;
 mod info;
 mod interrupt;
 mod light;
+mod near;
 mod options;
 mod output;
 mod progress;

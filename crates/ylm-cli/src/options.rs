@@ -240,7 +240,15 @@ impl LightOptions {
     /// # Errors
     /// If a coefficient leaves the range of f32.
     pub fn project(&self, light: &Light, bands: Bands) -> PrtResult<LightCoeffs> {
-        let coeffs = light.project(bands)?;
+        self.project_at(light, Vec3::ZERO, bands)
+    }
+
+    /// [`LightOptions::project`], as another place than the origin sees it.
+    ///
+    /// # Errors
+    /// If a coefficient leaves the range of f32.
+    pub fn project_at(&self, light: &Light, place: Vec3, bands: Bands) -> PrtResult<LightCoeffs> {
+        let coeffs = light.project_at(place, bands)?;
         match self.window.0 {
             Some(window) => coeffs.windowed(window),
             None => Ok(coeffs),

@@ -14,12 +14,13 @@ use ylm_prt::image::Image;
 use ylm_prt::light::{Light, Source};
 use ylm_prt::reference::Occlusion;
 use ylm_prt::render::{Colours, Raster, ToneMap, develop, render_in};
-use ylm_prt::shade::{Far, Shadowed};
+use ylm_prt::shade::{Far, Shadowed, dim};
 use ylm_prt::transfer::Baked;
 
 use crate::balls::{BallOptions, BallShadow, Stage};
 use crate::interrupt;
 use crate::light::mean_radiance;
+use crate::near::{NearLight, NearOptions};
 use crate::options::{self, CameraPlace, Exposure, LightOptions};
 use crate::output::{Output, path_value};
 use crate::shading::{self, Shaded};
@@ -47,6 +48,8 @@ pub struct Arguments {
     /// Use the light's first N bands only; with --shading reference, light by what they hold
     #[arg(long, value_parser = options::bands, value_name = "N")]
     light_bands: Option<Bands>,
+    #[command(flatten)]
+    near: NearOptions,
     #[command(flatten)]
     balls: BallOptions,
     /// Rays a vertex of --shading reference
@@ -140,10 +143,11 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     let place = arguments.camera.unwrap_or_default();
     let camera = place.camera(&baked.points.positions, raster.aspect())?;
     let background = |direction: Vec3| match arguments.background {
-        Background::Light => light.radiance(direction),
+        Background::Light => light.radiance_at(camera.eye(), direction),
         Background::Black => Vec3::ZERO,
     };
-    let coeffs = arguments.options.project(&light, baked.transfer.bands)?;
+    let middle = middle(&baked.points.positions);
+    let coeffs = arguments.options.project_at(&light, middle, baked.transfer.bands)?;
     let mut radiance = shaded.radiance.clone();
     radiance.extend(stage.light_balls(&arguments.view.part_of(coeffs)?));
     let colours = arguments.view.colours(arguments.shading, &radiance);
@@ -153,7 +157,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     if arguments.shading.is_false_colour() && !options::has_extension(&arguments.output, "exr") {
         write_picture(arguments, draw(colours, &view::ground)?, 0.0)?;
     } else {
-        let mean = mean_radiance(&light.project(Bands::new(1)?)?);
+        let mean = mean_radiance(&light.project_at(middle, Bands::new(1)?)?);
         write_picture(arguments, draw(Colours::Radiance, &background)?, arguments.exposure.stops(mean))?;
     }
     let render_seconds = render_start.elapsed().as_secs_f64();
@@ -169,8 +173,8 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     let value = json!({
         "output": path_value(&arguments.output), "size": [width, height], "light": arguments.light, "repaired": options::repaired_count(&light), "shading": shading,
         "bands": baked.transfer.bands.count(), "light_bands": arguments.light_bands.map(Bands::count),
-        "band": arguments.view.band(), "scale": view::scale_value(colours), "balls": arguments.balls.json(),
-        "points": shaded.radiance.len(), "radiance": shaded.statistics(), "noise": shaded.noise,
+        "band": arguments.view.band(), "scale": view::scale_value(colours), "near": arguments.near.json(&light),
+        "balls": arguments.balls.json(), "points": shaded.radiance.len(), "radiance": shaded.statistics(), "noise": shaded.noise,
         "shade_seconds": shade_seconds, "render_seconds": render_seconds, "seconds": start.elapsed().as_secs_f64(),
     });
     output.result(&text, &value);
@@ -182,23 +186,56 @@ fn shade(arguments: &Arguments, baked: &Baked, light: &Light, stage: &Stage) -> 
     match (arguments.shading, arguments.light_bands) {
         (Shading::Diffuse | Shading::Band, bands) => {
             let bands = bands.map_or(baked.transfer.bands, |bands| bands.min(baked.transfer.bands));
+            if light.is_local() {
+                return shade_near(arguments, baked, light, bands);
+            }
             let light = arguments.view.part_of(coeffs(bands)?)?;
             match arguments.balls.shadow() {
                 None => Ok(shading::diffuse(baked, &light)),
                 Some(BallShadow::Object) => {
-                    Ok(shading::diffuse(baked, &arguments.balls.dimmed(&light, &baked.points)?))
+                    let caps = arguments.balls.seen_from(middle(&baked.points.positions));
+                    Ok(shading::diffuse(baked, &dim(&light, &caps)?))
                 }
                 Some(BallShadow::Vertex) => {
                     shading::diffuse_under(baked, &Shadowed::new(&Far::new(&light), arguments.balls.balls()))
                 }
             }
         }
+        (Shading::Reference, Some(_)) if light.is_local() => Err(error::Error::Request(
+            "--light-bands with --shading reference needs a light from far away; this one stands somewhere"
+                .to_owned(),
+        )),
         (Shading::Reference, Some(bands)) => {
             let light = Light::of(Source::Coeffs(Arc::new(coeffs(bands)?)));
             reference(arguments, baked, stage, &light)
         }
         (Shading::Reference, None) => reference(arguments, baked, stage, light),
     }
+}
+
+/// Lights by a light that stands somewhere.
+fn shade_near(arguments: &Arguments, baked: &Baked, light: &Light, bands: Bands) -> error::Result<Shaded> {
+    let near = NearLight::new(light, &arguments.options, bands)?;
+    let positions = &baked.points.positions;
+    let caps = match arguments.balls.shadow() {
+        Some(BallShadow::Object) => arguments.balls.seen_from(middle(positions)),
+        _ => Vec::new(),
+    };
+    let project = |place: Vec3| dim(&arguments.view.part_of(near.at(place)?)?, &caps);
+    let incident = arguments.near.incident(positions, bands, &project)?;
+    match arguments.balls.shadow() {
+        Some(BallShadow::Vertex) => {
+            shading::diffuse_under(baked, &Shadowed::new(&*incident, arguments.balls.balls()))
+        }
+        _ => shading::diffuse_under(baked, &*incident),
+    }
+}
+
+/// The middle of the points' bounding box.
+fn middle(positions: &[Vec3]) -> Vec3 {
+    let infinite = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+    let [low, high] = positions.iter().fold(infinite, |[low, high], p| [low.min(*p), high.max(*p)]);
+    low.midpoint(high)
 }
 
 fn reference(arguments: &Arguments, baked: &Baked, stage: &Stage, light: &Light) -> error::Result<Shaded> {

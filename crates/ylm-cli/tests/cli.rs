@@ -253,3 +253,33 @@ fn a_ball_throws_its_shadow_without_a_new_bake() {
         assert!(message.contains("X,Y,Z,RADIUS"), "{message}");
     }
 }
+
+#[test]
+fn a_lamp_lights_each_side_of_a_model_as_it_stands() {
+    let place = Place::new();
+    place.json("bake cube.obj -o cube.safetensors --bands 6 --rays 256");
+    let lamp = "--light sphere?pos=2.5,2,2.5&radius=0.5&intensity=30 -o cube.png --size 32x32";
+    let render = |more: &str| place.json(&format!("render cube.safetensors {lamp} {more}"));
+    let mean = |value: &Value| value["radiance"]["mean"][1].as_f64().unwrap();
+    let reference = render("--shading reference");
+    let exact = render("");
+    assert_eq!(exact["near"]["blend"], "exact");
+    // Measured 0.8 %: six bands of the lamp.
+    assert!((mean(&exact) / mean(&reference) - 1.0).abs() <= 0.03, "{exact} {reference}");
+    for (blend, tolerance) in [("inverse:10", 1e-4), ("proxy", 1e-4), ("volume", 1e-4)] {
+        // Eight samples stand where the cube's eight vertices are.
+        let blended = render(&format!("--light-samples 8 --light-blend {blend}"));
+        assert_eq!(blended["near"]["blend"], blend);
+        assert!((mean(&blended) / mean(&exact) - 1.0).abs() <= tolerance, "{blend}: {blended} {exact}");
+    }
+    let far = place.json("render cube.safetensors --light sky:overcast --light-blend proxy -o cube.png");
+    assert!(far["near"].is_null());
+    let message = place.failure(&format!("render cube.safetensors {lamp} --light-blend nearest"), 2);
+    assert!(message.contains("inverse:P"), "{message}");
+    assert!(
+        place.failure(&format!("render cube.safetensors {lamp} --light-samples 0"), 2).contains("1 to 4096")
+    );
+    let message =
+        place.failure(&format!("render cube.safetensors {lamp} --shading reference --light-bands 3"), 1);
+    assert!(message.contains("stands somewhere"), "{message}");
+}
