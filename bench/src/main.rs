@@ -6,12 +6,16 @@ use std::process::ExitCode;
 mod bake;
 mod bake_error;
 mod basis;
+mod cheap_forms;
 #[path = "../../testdata/data.rs"]
 mod data;
+mod local_light;
 mod machine;
 mod plan;
 mod products;
+mod proxy_shadow;
 mod rotate;
+mod scene;
 mod svg;
 mod table;
 mod timing;
@@ -43,6 +47,9 @@ const BENCHES: &[Bench] = &[
     ("bake-memory", bake::run_memory),
     ("bake-error", bake_error::run),
     ("basis", basis::run),
+    ("cheap-forms", cheap_forms::run),
+    ("local-light", local_light::run),
+    ("proxy-shadow", proxy_shadow::run),
     ("rotate", rotate::run),
     ("plan", plan::run),
     ("xin-fig3", xin_fig3::run),

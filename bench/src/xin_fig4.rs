@@ -1,7 +1,7 @@
 //! [Xin21] Fig. 4: products of k − 1 functions, exact and truncated.
 
 use crate::Options;
-use crate::products::{Products, Steps, microseconds, write, write_tables};
+use crate::products::{Products, microseconds, write};
 use crate::svg::{Curve, Scale, line_chart};
 use crate::table::Table;
 
@@ -20,18 +20,13 @@ pub fn run(options: &Options) -> Vec<Table> {
                 "Fourier, exact",
                 "chain of grids (truncated)",
                 "grid, exact",
-                "default",
                 "exact grid × chain of sparse",
                 "exact grid × Fourier",
             ],
         );
-        let mut steps = Steps::new(
+        let mut steps = Table::new(
             format!("Fig. 4: steps of the Fourier method, k = {k}, f64, µs a product"),
-            ["SH → Fourier", "convolution", "Fourier → SH"],
-        );
-        let mut grid_steps = Steps::new(
-            format!("Fig. 4: steps of the grid apart, k = {k}, f32, batch, µs a product"),
-            ["SH → grid", "multiplication", "grid → SH"],
+            &["n", "SH → Fourier", "convolution", "Fourier → SH", "convolution, % of all"],
         );
         let names = ["full tensor", "chain of sparse", "Fourier, exact", "chain of grids", "grid, exact"];
         let mut curves = names.map(|name| Curve { name: name.to_owned(), points: Vec::new() });
@@ -47,7 +42,6 @@ pub fn run(options: &Options) -> Vec<Table> {
                 microseconds(fourier),
                 microseconds(chain),
                 microseconds(grid),
-                microseconds(products.default()),
                 format!("{:.1}", sparse / grid),
                 format!("{:.1}", fourier / grid),
             ]);
@@ -55,14 +49,19 @@ pub fn run(options: &Options) -> Vec<Table> {
             for (curve, ns) in curves.iter_mut().zip(all) {
                 curve.points.push((n as f64, ns / 1000.0));
             }
-            steps.row(n, products.fourier_steps());
-            grid_steps.row(n, products.grid_steps());
+            let [there, convolution, back] = products.fourier_steps();
+            steps.row(vec![
+                n.to_string(),
+                microseconds(there),
+                microseconds(convolution),
+                microseconds(back),
+                format!("{:.0}", 100.0 * convolution / (there + convolution + back)),
+            ]);
         }
         let title = format!("Product of {} functions of n bands (k = {k}), f32, one thread", k - 1);
         let chart = line_chart(&title, "bands n", "µs a product", Scale::Logarithmic, &curves);
         write(options, &format!("xin-fig4-k{k}.svg"), &chart);
-        tables.extend([times, steps.into_table(), grid_steps.into_table()]);
+        tables.extend([times, steps]);
     }
-    write_tables(options, "xin-fig4.md", &tables);
     tables
 }

@@ -1,10 +1,6 @@
 //! The kernels of both precisions, compiled once in this crate and not again in every crate that multiplies.
 
-use std::cell::RefCell;
-
-use super::fourier::{Fourier, FourierWorkspace};
-use super::pairs::Pairs;
-use super::{gaunt, grid, matrix, unrolled, zonal};
+use super::{gaunt, grid, matrix, plan, unrolled, zonal};
 use crate::error::Result;
 use crate::{Bands, Level};
 
@@ -12,10 +8,8 @@ use crate::{Bands, Level};
 pub trait ProductKernels: Sized {
     /// Products of a batch on a grid.
     fn run_grid(level: Level, batch: grid::kernel::Batch<'_, Self>);
-    /// Products of a batch on a grid, one after the other.
-    fn run_grid_single(level: Level, batch: grid::kernel::Batch<'_, Self>);
     /// Products of a batch by the sparse tensor.
-    fn run_gaunt(level: Level, batch: Pairs<'_, Self, gaunt::Tensor<Self>>);
+    fn run_pairs(level: Level, batch: gaunt::PairKernel<'_, Self>);
     /// Products of a batch with a zonal function.
     fn run_zonal(level: Level, batch: zonal::ZonalBatch<'_, Self>);
     /// A product matrix applied to a batch.
@@ -25,19 +19,16 @@ pub trait ProductKernels: Sized {
     /// One product by straight-line code.
     fn run_one(level: Level, one: unrolled::One<'_, Self>);
     /// Products of a batch by straight-line code.
-    fn run_straight(level: Level, batch: Pairs<'_, Self, unrolled::Straight>);
+    fn run_many(level: Level, many: unrolled::Many<'_, Self>);
 }
 
 macro_rules! impl_kernels {
     ($float:ty) => {
         impl ProductKernels for $float {
             fn run_grid(level: Level, batch: grid::kernel::Batch<'_, Self>) {
-                grid::kernel::run(level, batch);
+                level.run(batch);
             }
-            fn run_grid_single(level: Level, batch: grid::kernel::Batch<'_, Self>) {
-                level.run_single(grid::kernel::OfBands::<Self, 0>(batch));
-            }
-            fn run_gaunt(level: Level, batch: Pairs<'_, Self, gaunt::Tensor<Self>>) {
+            fn run_pairs(level: Level, batch: gaunt::PairKernel<'_, Self>) {
                 level.run(batch);
             }
             fn run_zonal(level: Level, batch: zonal::ZonalBatch<'_, Self>) {
@@ -47,17 +38,13 @@ macro_rules! impl_kernels {
                 level.run(batch);
             }
             fn run_fourier(bands: Bands, factors: &[&[Self]], out: &mut [Self]) -> Result<()> {
-                thread_local! {
-                    static WORKSPACE: RefCell<FourierWorkspace<$float>> = RefCell::default();
-                }
-                let fourier = Fourier::new(bands, factors.len())?;
-                WORKSPACE.with_borrow_mut(|workspace| fourier.product(factors, out, workspace))
+                plan::by_fourier(bands, factors, out)
             }
             fn run_one(level: Level, one: unrolled::One<'_, Self>) {
                 level.run_single(one);
             }
-            fn run_straight(level: Level, batch: Pairs<'_, Self, unrolled::Straight>) {
-                level.run(batch);
+            fn run_many(level: Level, many: unrolled::Many<'_, Self>) {
+                level.run(many);
             }
         }
     };
