@@ -16,7 +16,6 @@ mod products;
 mod proxy_shadow;
 mod rotate;
 mod scene;
-mod svg;
 mod table;
 mod timing;
 mod xin_fig3;

@@ -1,9 +1,10 @@
 //! [Xin21] Fig. 3: the triple product by every method, and the steps of the Fourier method.
 
 use crate::products::{Products, microseconds, write};
-use crate::svg::{Curve, Scale, line_chart};
+
 use crate::table::Table;
 use crate::{Options, machine};
+use ylm_plot::{Curve, Scale, line_chart};
 
 /// Published times of the paper's code with FFTW, µs, measured once on another machine.
 const PUBLISHED_FOURIER: [(usize, f64); 6] =
@@ -103,6 +104,6 @@ pub fn run(options: &Options) -> Vec<Table> {
     }
     let title = "Triple product of n bands, f32, one thread";
     let chart = line_chart(title, "bands n", "µs a product", Scale::Logarithmic, &curves);
-    write(options, "xin-fig3.svg", &chart);
+    write(options, "xin-fig3.svg", &chart.to_svg());
     vec![times, steps, single]
 }

@@ -2,8 +2,9 @@
 
 use crate::Options;
 use crate::products::{Products, microseconds, write};
-use crate::svg::{Curve, Scale, line_chart};
+
 use crate::table::Table;
+use ylm_plot::{Curve, Scale, line_chart};
 
 /// For k = 4, 6, 8: times by n, and the steps of the Fourier method.
 pub fn run(options: &Options) -> Vec<Table> {
@@ -60,7 +61,7 @@ pub fn run(options: &Options) -> Vec<Table> {
         }
         let title = format!("Product of {} functions of n bands (k = {k}), f32, one thread", k - 1);
         let chart = line_chart(&title, "bands n", "µs a product", Scale::Logarithmic, &curves);
-        write(options, &format!("xin-fig4-k{k}.svg"), &chart);
+        write(options, &format!("xin-fig4-k{k}.svg"), &chart.to_svg());
         tables.extend([times, steps]);
     }
     tables

@@ -6,8 +6,9 @@ use ylm::{Bands, Workspace};
 
 use crate::Options;
 use crate::products::{random, write};
-use crate::svg::{Curve, Scale, line_chart};
+
 use crate::table::Table;
+use ylm_plot::{Curve, Scale, line_chart};
 
 /// The paper's row for k, by the bands of [`BANDS`].
 const PUBLISHED: [(usize, [f64; 13]); 5] = [
@@ -53,7 +54,7 @@ pub fn run(options: &Options) -> Vec<Table> {
         curves.push(Curve { name: format!("chain, k = {k}"), points: points(|e| e.chain) });
     }
     let title = "Relative L2 error of the truncated chain";
-    write(options, "xin-table1.svg", &line_chart(title, "bands n", "error", Scale::Linear, &curves));
+    write(options, "xin-table1.svg", &line_chart(title, "bands n", "error", Scale::Linear, &curves).to_svg());
     vec![table]
 }
 

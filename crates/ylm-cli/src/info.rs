@@ -40,17 +40,26 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
     Ok(())
 }
 
-enum Kind {
+/// What a file is.
+pub enum Kind {
+    /// Triangles.
     Mesh,
+    /// A picture of radiance.
     Probe,
+    /// A picture for a display.
     Picture,
+    /// What `ylm bake` wrote.
     Baked,
+    /// What `ylm light` wrote.
     Light,
 }
 
 impl Kind {
     /// By the first bytes; by the name where those leave it open.
-    fn of(path: &Path) -> Result<Self> {
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub fn of(path: &Path) -> Result<Self> {
         let mut start = Vec::new();
         let file = File::open(path).map_err(|error| Error::io(path, error))?;
         file.take(16).read_to_end(&mut start).map_err(|error| Error::io(path, error))?;

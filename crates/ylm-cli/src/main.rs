@@ -10,6 +10,7 @@ mod light;
 mod near;
 mod options;
 mod output;
+mod plot;
 mod progress;
 mod render;
 mod shading;
@@ -40,6 +41,7 @@ enum Verb {
     Light(light::Arguments),
     Render(render::Arguments),
     Compare(compare::Arguments),
+    Plot(plot::Arguments),
     Info(info::Arguments),
 }
 
@@ -54,6 +56,7 @@ fn main() -> ExitCode {
     let usage = match &arguments.verb {
         Verb::Bake(bake) => bake.check(),
         Verb::Render(render) => render.check(),
+        Verb::Plot(plot) => plot.check(),
         _ => Ok(()),
     };
     if let Err(message) = usage {
@@ -67,6 +70,7 @@ fn main() -> ExitCode {
         Verb::Light(arguments) => light::run(arguments, &output),
         Verb::Render(arguments) => render::run(arguments, &output),
         Verb::Compare(arguments) => compare::run(arguments, &output),
+        Verb::Plot(arguments) => plot::run(arguments, &output),
         Verb::Info(arguments) => info::run(arguments, &output),
     };
     match result {

@@ -152,6 +152,12 @@ pub fn picture(path: PathBuf) -> Result<PathBuf, String> {
     if known { Ok(path) } else { Err("must end in .png or .exr".to_owned()) }
 }
 
+/// A drawing's name; the ending says what is written.
+pub fn drawing(path: PathBuf) -> Result<PathBuf, String> {
+    let known = ["svg", "png"].iter().any(|extension| has_extension(&path, extension));
+    if known { Ok(path) } else { Err("must end in .svg or .png".to_owned()) }
+}
+
 /// A light file's name; without its ending it would not be read as a light.
 pub fn light_file(path: PathBuf) -> Result<PathBuf, String> {
     if has_extension(&path, "json") { Ok(path) } else { Err("must end in .json".to_owned()) }
@@ -228,6 +234,11 @@ impl LightOptions {
             Some(to) => light.rotated(rotation(to)),
             None => light,
         })
+    }
+
+    /// Whether any of these options was given.
+    pub fn has_effect(&self) -> bool {
+        self.light_rotation.is_some() || self.has_window() || self.repair
     }
 
     /// Whether bands are to be damped.

@@ -39,6 +39,43 @@ fn a_convex_model_under_white_shows_its_albedo() {
 }
 
 #[test]
+fn a_plot_shows_lights_transfer_and_the_basis_as_svg_and_png() {
+    let place = Place::new();
+    place.json("bake cube.obj -o cube.safetensors --bands 3 --rays 64");
+    place.json("light sky:overcast --bands 4 -o sky.json");
+    let disc = place.json("plot disc?dir=0,1,1&angle=5 --bands 6 -o disc.svg");
+    assert!(disc["negative_share"].as_f64().unwrap() > 0.1, "a small disc rings: {disc}");
+    assert_eq!(disc["band_energies"].as_array().unwrap().len(), 6);
+    let svg = fs::read_to_string(place.path("disc.svg")).unwrap();
+    assert!(svg.starts_with("<svg ") && svg.contains("In 6 bands") && svg.ends_with("</svg>\n"));
+    // A file's own bands; radiance 1 in white is 1 everywhere, to rounding.
+    assert_eq!(place.json("plot sky.json -o sky.png --view map --width 300")["bands"], 4);
+    assert!(is_png(&place.path("sky.png")));
+    let white = place.json("plot white --bands 2 --view sphere -o white.png --width 200");
+    assert_eq!(white["negative_share"], 0.0);
+    assert!((white["most"].as_f64().unwrap() - 1.0).abs() <= 1e-6);
+    let mean = place.json("plot cube.safetensors -o mean.png --view bars --width 300");
+    let corner = place.json("plot cube.safetensors --point 7 -o corner.svg");
+    assert_eq!((&mean["bands"], &mean["points"], &corner["point"]), (&3.into(), &8.into(), &7.into()));
+    assert_eq!(place.json("plot basis --bands 3 -o basis.svg")["view"], "sphere");
+    let before = place.files();
+    for (arguments, status, word) in [
+        ("plot cube.safetensors --point 8 -o no.svg", 1, "0 to 7"),
+        ("plot white --point 0 -o no.svg", 1, "--point"),
+        ("plot cube.safetensors --window hann:3 -o no.svg", 1, "--window"),
+        ("plot sky:purple -o no.svg", 1, "purple"),
+        ("plot basis --bands 17 -o no.svg", 1, "at most 16"),
+        ("plot basis --view bars -o no.svg", 2, "sphere or map"),
+        ("plot basis --point 1 -o no.svg", 2, "--bands"),
+        ("plot white -o no.jpg", 2, ".svg or .png"),
+        ("plot cube.safetensors -o cube.safetensors", 2, ".svg or .png"),
+    ] {
+        assert!(place.failure(arguments, status).contains(word), "{arguments}");
+    }
+    assert_eq!(place.files(), before);
+}
+
+#[test]
 fn bands_alone_add_up_and_are_shown_by_sign() {
     let place = Place::new();
     place.json("bake cube.obj -o cube.safetensors --bands 3 --rays 64");

@@ -31,8 +31,9 @@ const NEVER_IN_MATHEMATICS: &[&str] = &["std::fs", "std::io", "std::thread", "st
 const MAY_DEPEND: &[(&str, &[&str])] = &[
     ("crates/ylm", &[]),
     ("crates/ylm-prt", &["ylm"]),
-    ("crates/ylm-cli", &["ylm", "ylm-prt"]),
-    ("bench", &["ylm", "ylm-prt"]),
+    ("crates/ylm-plot", &["ylm", "ylm-prt"]),
+    ("crates/ylm-cli", &["ylm", "ylm-prt", "ylm-plot"]),
+    ("bench", &["ylm", "ylm-prt", "ylm-plot"]),
 ];
 
 fn workspace() -> PathBuf {
