@@ -6,11 +6,13 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use glam::Vec3;
 use serde_json::{Map, Value, json};
+use ylm::Bands;
 use ylm_prt::error::{Error, Result};
 use ylm_prt::format::read_baked;
 use ylm_prt::image::{Image, ReadOptions};
-use ylm_prt::light::{LightCoeffs, Probe};
+use ylm_prt::light::{Light, LightCoeffs, Part, Probe, Source};
 use ylm_prt::scene::{LightingPoints, Material, Mesh, Topology};
 use ylm_prt::transfer::Precision;
 
@@ -31,7 +33,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
     let path = &arguments.file;
     let facts = match Kind::of(path)? {
         Kind::Baked => baked(path)?,
-        Kind::Light => light(path)?,
+        Kind::Light => light(path, &arguments.model.probe_options())?,
         Kind::Probe => probe(path, &arguments.model.probe_options())?,
         Kind::Picture => picture(path)?,
         Kind::Mesh => mesh(path, &arguments.model, output)?,
@@ -196,20 +198,38 @@ fn baked(path: &Path) -> Result<Map<String, Value>> {
     })))
 }
 
-fn light(path: &Path) -> Result<Map<String, Value>> {
-    let coeffs = LightCoeffs::open(path)?;
+fn light(path: &Path, options: &ReadOptions) -> Result<Map<String, Value>> {
+    let light = Light::open(path, options)?;
+    match light.parts() {
+        [Part { source: Source::Coeffs(coeffs), scale: Vec3::ONE, .. }] => Ok(coefficients(coeffs)),
+        _ => description(path, &light),
+    }
+}
+
+fn description(path: &Path, light: &Light) -> Result<Map<String, Value>> {
+    let mean = crate::light::mean_radiance(&light.project(Bands::new(1)?)?);
+    let mut description = light.to_json(path.parent().unwrap_or(Path::new("")), "")?;
+    Ok(object(json!({
+        "kind": "light description",
+        "parts": description["parts"].take(),
+        "local": light.is_local(),
+        "mean_radiance": mean.to_array(),
+    })))
+}
+
+fn coefficients(coeffs: &LightCoeffs) -> Map<String, Value> {
     let energies = (0..coeffs.bands.count()).map(|l| {
         let of = |channel: &Vec<f32>| {
             channel[l * l..(l + 1) * (l + 1)].iter().map(|c| f64::from(c * c)).sum::<f64>()
         };
         coeffs.channels.each_ref().map(of)
     });
-    Ok(object(json!({
+    object(json!({
         "kind": "light",
         "bands": coeffs.bands.count(),
-        "mean_radiance": crate::light::mean_radiance(&coeffs).to_array(),
+        "mean_radiance": crate::light::mean_radiance(coeffs).to_array(),
         "band_energies": energies.collect::<Vec<_>>(),
-    })))
+    }))
 }
 
 /// A fact a line, names in words.
@@ -221,6 +241,10 @@ fn text(path: &Path, facts: &Map<String, Value>) -> String {
             Value::Bool(true) => "yes".to_owned(),
             Value::Bool(false) => "no".to_owned(),
             Value::Null => "–".to_owned(),
+            // The parts of a light, one a line.
+            Value::Array(items) if items.iter().any(Value::is_object) => {
+                items.iter().map(|item| format!("\n    {item}")).collect()
+            }
             other => other.to_string(),
         };
         let _ = writeln!(text, "  {:<20} {value}", name.replace('_', " "));

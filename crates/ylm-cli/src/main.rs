@@ -55,6 +55,7 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let usage = match &arguments.verb {
         Verb::Bake(bake) => bake.check(),
+        Verb::Light(light) => light.check(),
         Verb::Render(render) => render.check(),
         Verb::Plot(plot) => plot.check(),
         _ => Ok(()),

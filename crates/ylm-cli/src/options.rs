@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use glam::{EulerRot, Quat, Vec3};
+use glam::Vec3;
 use ylm::Bands;
 use ylm::window::Window;
 use ylm_prt::error::Result as PrtResult;
 use ylm_prt::file;
 use ylm_prt::image::ReadOptions;
-use ylm_prt::light::{Light, LightCoeffs, Source};
+use ylm_prt::light::{Light, LightCoeffs, Source, Sun, SunSettings, facing, sun};
 use ylm_prt::scene::{Camera, View};
 
 use crate::output::Output;
@@ -17,10 +17,12 @@ use crate::output::Output;
 /// What `--light` understands, for the help of the verbs that take one.
 pub const LIGHT_HELP: &str = "\
 LIGHT is a file (.hdr .exr .pfm .dds .float, or .json of `ylm light`) or a formula:
-  white    sky:overcast    sky:clear?sun=45,180    disc?dir=0,1,1&angle=20
+  white    disc?dir=0,1,1&angle=20    directional?dir=0,1,0    phong?dir=0,1,0&shininess=20    zonal?coeffs=1,0.5,0.2
+  sky:overcast    sky:clear?sun=45,180    sky:cloudy?sun=45,180    sky:intermediate?sun=45,180    sky:cie7?sun=45,180
+  hemisphere?sky=0.4,0.6,1&ground=0.2,0.1,0    gradient?from=0,0,0&to=1,1,1
   sphere?pos=0,2,0&radius=0.5    polygon?points=-1,2,-1;1,2,-1;1,2,1;-1,2,1[&sides=one]
-and sums of them: probe.hdr+disc?dir=0,1,0&angle=5. A part takes intensity=2 and color=1,0.9,0.8; angles are degrees.
-A probe's layout is detected, or forced: probe.hdr?layout=latlong|angular|cross|cube|mirror
+and sums of them: probe.hdr+disc?dir=0,1,0&angle=5. A part takes intensity=2, color=1,0.9,0.8 and turn=AZ,EL; angles are
+degrees. A probe's layout is detected, or forced: probe.hdr?layout=latlong|angular|cross|cube|mirror
 
 Examples:
   ylm render bunny.safetensors --light probe.hdr -o bunny.png --exposure auto --tonemap agx
@@ -214,26 +216,56 @@ pub struct LightOptions {
     /// Set NaN, infinite and negative texels of a probe to zero instead of refusing it
     #[arg(long)]
     repair: bool,
+    /// Take the N brightest small sources (1 if no N is given) out of probes and light by discs in their place
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "1", value_parser = suns, value_name = "N")]
+    extract_sun: Option<f64>,
+    /// How many times brighter than its surroundings, 6° to 18° away, a sun must be
+    #[arg(long, default_value_t = sun::THRESHOLD, value_parser = sun_threshold, value_name = "C", requires = "extract_sun")]
+    sun_threshold: f64,
 }
 
 impl LightOptions {
-    /// Reads and turns a light.
+    /// Reads and turns a light, and takes its suns out as asked for.
     ///
     /// # Errors
     /// If the description is wrong or a file cannot be read.
+    #[allow(dead_code, reason = "for verbs that report no suns")]
     pub fn read(&self, spec: &str, output: &Output) -> PrtResult<Light> {
+        self.read_with_suns(spec, output).map(|(light, _)| light)
+    }
+
+    /// [`LightOptions::read`], and the suns that were taken out; none if that was not asked for.
+    ///
+    /// # Errors
+    /// As [`LightOptions::read`].
+    pub fn read_with_suns(&self, spec: &str, output: &Output) -> PrtResult<(Light, Option<Vec<Sun>>)> {
         let options = if self.repair { ReadOptions::REPAIRED } else { ReadOptions::RADIANCE };
-        let light = Light::parse_with(spec, &options)?;
+        let mut light = Light::parse_with(spec, &options)?;
         let repaired = repaired_count(&light);
         if repaired > 0 {
             output.warn(&format!(
                 "{spec}: set {repaired} channels of texels to 0 that are NaN, infinite or negative"
             ));
         }
-        Ok(match self.light_rotation {
-            Some(to) => light.rotated(rotation(to)),
-            None => light,
-        })
+        if let Some([azimuth, elevation]) = self.light_rotation {
+            light = light.rotated(facing([azimuth, elevation].map(f32::to_radians)));
+        }
+        let Some(count) = self.extract_sun else { return Ok((light, None)) };
+        let settings = SunSettings { count: count as usize, threshold: self.sun_threshold };
+        let (light, suns) = light.extract_suns(&settings)?;
+        if suns.is_empty() {
+            output.warn(&format!(
+                "{spec}: --extract-sun found no small source {} times brighter than its surroundings, with 1 % of a \
+                 probe's light; the light is as it was",
+                self.sun_threshold
+            ));
+        }
+        Ok((light, Some(suns)))
+    }
+
+    /// Whether suns are to be taken out.
+    pub fn extracts_suns(&self) -> bool {
+        self.extract_sun.is_some()
     }
 
     /// Whether any of these options was given.
@@ -276,9 +308,45 @@ pub fn repaired_count(light: &Light) -> usize {
     light.parts().iter().map(|part| of(&part.source)).sum()
 }
 
-/// The rotation that takes +z to a direction given by azimuth (from +z towards +x) and elevation, in degrees.
-fn rotation([azimuth, elevation]: [f32; 2]) -> Quat {
-    Quat::from_euler(EulerRot::YXZ, azimuth.to_radians(), -elevation.to_radians(), 0.0)
+/// `--extract-sun`.
+fn suns(text: &str) -> Result<f64, String> {
+    let count = text.parse().map_err(|_| "must be a whole number from 1 to 64".to_owned())?;
+    SunSettings::new(count, sun::THRESHOLD).map(|_| count).map_err(|fault| fault.to_string())
+}
+
+/// `--sun-threshold`.
+fn sun_threshold(text: &str) -> Result<f64, String> {
+    let threshold = text.parse().map_err(|_| "must be a number, at least 4".to_owned())?;
+    SunSettings::new(1.0, threshold).map(|_| threshold).map_err(|fault| fault.to_string())
+}
+
+/// Suns for `--json`; null if none were looked for.
+pub fn suns_value(suns: Option<&[Sun]>) -> serde_json::Value {
+    let value = |sun: &Sun| {
+        serde_json::json!({
+            "direction": sun.direction.to_array(),
+            "half_angle": sun.half_angle.to_degrees(),
+            "radiance": sun.radiance.to_array(),
+            "flux": sun.flux().to_array(),
+            "share": sun.share,
+            "texels": sun.texel_count,
+        })
+    };
+    suns.map(|suns| suns.iter().map(value).collect::<Vec<_>>()).into()
+}
+
+/// Suns in words, a line each.
+pub fn suns_text(suns: Option<&[Sun]>) -> String {
+    let line = |sun: &Sun| {
+        let [x, y, z] = sun.direction.to_array();
+        let [r, g, b] = sun.radiance.to_array();
+        format!(
+            "sun from ({x:.4}, {y:.4}, {z:.4}), half-angle {:.3}°, radiance ({r:.4}, {g:.4}, {b:.4}), {:.1} % of the light\n",
+            sun.half_angle.to_degrees(),
+            100.0 * sun.share
+        )
+    };
+    suns.unwrap_or_default().iter().map(line).collect()
 }
 
 /// A finite number.
@@ -308,9 +376,12 @@ mod tests {
     #[test]
     fn light_rotation_takes_z_to_azimuth_and_elevation() {
         for (angles, expected) in
-            [([90.0, 0.0], Vec3::X), ([0.0, 90.0], Vec3::Y), ([180.0, 0.0], Vec3::NEG_Z)]
+            [([90.0f32, 0.0], Vec3::X), ([0.0, 90.0], Vec3::Y), ([180.0, 0.0], Vec3::NEG_Z)]
         {
-            assert!((rotation(angles) * Vec3::Z - expected).length() <= 1e-6, "{angles:?}");
+            assert!(
+                (facing(angles.map(f32::to_radians)) * Vec3::Z - expected).length() <= 1e-6,
+                "{angles:?}"
+            );
         }
     }
 

@@ -118,7 +118,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     options::check_destination(&arguments.output, &[&arguments.baked], &arguments.light)?;
     let start = Instant::now();
     let baked = read_baked(&arguments.baked)?;
-    let light = arguments.options.read(&arguments.light, output)?;
+    let (light, suns) = arguments.options.read_with_suns(&arguments.light, output)?;
     let stage = arguments.balls.stage(&baked)?;
     output.step(&format!(
         "{} points read in {:.2} s",
@@ -171,7 +171,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         start.elapsed().as_secs_f64()
     );
     let value = json!({
-        "output": path_value(&arguments.output), "size": [width, height], "light": arguments.light, "repaired": options::repaired_count(&light), "shading": shading,
+        "output": path_value(&arguments.output), "size": [width, height], "light": arguments.light, "repaired": options::repaired_count(&light), "suns": options::suns_value(suns.as_deref()), "shading": shading,
         "bands": baked.transfer.bands.count(), "light_bands": arguments.light_bands.map(Bands::count),
         "band": arguments.view.band(), "scale": view::scale_value(colours), "near": arguments.near.json(&light),
         "balls": arguments.balls.json(), "points": shaded.radiance.len(), "radiance": shaded.statistics(), "noise": shaded.noise,

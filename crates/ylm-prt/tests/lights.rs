@@ -56,6 +56,11 @@ fn every_kind() -> Vec<(&'static str, Light)> {
         ("cross", checkered(LayoutWord::Cross, 24, 32)),
         ("cube", checkered(LayoutWord::Cube, 8, 48)),
         ("coefficients", Light::of(Source::Coeffs(coeffs.into()))),
+        ("cloudy", light("sky:cloudy?sun=50,-20")),
+        ("phong", light("phong?dir=1,-0.3,0.2&shininess=20&color=0.5,1,1")),
+        ("zonal", light("zonal?coeffs=1,0.8,-0.3,0.2&dir=0.1,0.2,-1")),
+        ("hemisphere", light("hemisphere?sky=1,2,3&ground=0.2,0.1,0&up=0.1,1,0.3")),
+        ("gradient", light("gradient?from=1,0,0.5&to=0,1,0.5&dir=1,1,0&turn=30,20")),
         ("sphere", light("sphere?pos=1,2,-0.5&radius=0.8&color=1,0,2")),
         ("polygon", light("polygon?points=1,-1,0.3;1,1,0.3;0.2,1,2;0.2,0.2,2&intensity=3")),
         ("sum", light("white?intensity=0.1+disc?dir=0,1,0&angle=1&intensity=100+sky:cie7?sun=10,-30")),
@@ -421,9 +426,20 @@ fn words_that_are_no_light_are_refused_by_name() {
         ("nowhere.hdr", "nowhere.hdr: "),
         (
             "sky:foggy",
-            "no sky \"foggy\"; there are overcast, clear, and the CIE standard skies cie1 to cie15",
+            "no sky \"foggy\"; there are overcast, clear, cloudy, intermediate, and the CIE standard skies cie1 to cie15",
         ),
-        ("sky:cloudy?sun=1,2", "no sky \"cloudy\""),
+        ("sky:cloudy", "it needs sun=elevation,azimuth in degrees"),
+        ("directional", "it needs dir=x,y,z"),
+        ("directional?dir=0,0,0", "a direction other than 0,0,0"),
+        ("phong?dir=0,1,0", "it needs shininess=s"),
+        ("phong?dir=0,1,0&shininess=-2", "the shininess is -2; it must be finite and not negative"),
+        ("zonal", "it needs coeffs=z0,z1,.."),
+        ("zonal?coeffs=1,x", "coeffs=1,x, expected numbers with commas"),
+        ("hemisphere?sky=1,1,1", "it needs ground=r,g,b"),
+        ("hemisphere?sky=1,1,1&ground=-1,0,0", "a colour must not be negative"),
+        ("gradient?from=1,1,1", "it needs to=r,g,b"),
+        ("white?turn=1,2&rotation=0,0,0,1", "turn and rotation are both given"),
+        ("white?rotation=0,0,0,0", "the rotation 0,0,0,0 is none"),
         ("sky:cie0", "no sky"),
         ("sky:cie16", "no sky"),
         ("sky:cie+1", "no sky"),
@@ -509,7 +525,7 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn no_words_panic(spec in "(white|disc|sphere|polygon|sky:[a-z0-9]{0,6}|[ -~]{0,8})(\\?[ -~]{0,30})?(\\+[ -~]{0,20})?") {
+    fn no_words_panic(spec in "(white|disc|sphere|polygon|phong|zonal|gradient|sky:[a-z0-9]{0,6}|[ -~]{0,8})(\\?[ -~]{0,30})?(\\+[ -~]{0,20})?") {
         if let Ok(light) = Light::parse(&spec) {
             prop_assert!(light.radiance(Vec3::Y).is_finite());
         }

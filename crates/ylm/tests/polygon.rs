@@ -188,6 +188,8 @@ fn what_is_no_polygon_is_refused() {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
     /// A triangle is the sum of the three around a point within it, and of the two on either side of a cut.
     #[test]
     fn parts_of_a_polygon_sum_to_it(

@@ -8,4 +8,4 @@ mod light;
 pub use baked::{FORMAT_VERSION, read_baked, write_baked};
 pub use checkpoint::{Checkpoint, Existing, checkpoint_path};
 pub use fault::BakedFault;
-pub use light::write_light;
+pub use light::{write_light, write_light_description};

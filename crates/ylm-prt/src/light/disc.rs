@@ -20,8 +20,8 @@ impl Disc {
     ///
     /// # Errors
     /// If the direction is zero or not finite, or the angle not in (0, π].
-    pub fn new(direction: Vec3, half_angle: f64) -> Result<Self> {
-        let direction = direction.as_dvec3().try_normalize();
+    pub fn new(direction: DVec3, half_angle: f64) -> Result<Self> {
+        let direction = direction.try_normalize();
         let direction = direction
             .ok_or_else(|| Error::Request("a disc needs a direction other than 0,0,0".to_owned()))?;
         if !(half_angle > 0.0 && half_angle <= PI) {

@@ -4,7 +4,11 @@
 //! the same everywhere, or *local*, and is seen differently from every point. Parts hide nothing behind them.
 
 pub mod coeffs;
+pub mod description;
 pub mod disc;
+mod formula;
+pub mod gradient;
+pub mod lobe;
 pub mod polygon;
 pub mod probe;
 pub mod sampler;
@@ -13,18 +17,26 @@ pub mod sky;
 mod source;
 mod spec;
 pub mod sphere;
+pub mod sun;
+pub mod words;
+
+use std::path::Path;
 
 use glam::{DVec3, Quat, Vec3};
 use ylm::Bands;
 
 pub use coeffs::LightCoeffs;
 pub use disc::Disc;
+pub use gradient::{Blend, Gradient};
+pub use lobe::{Lobe, Profile};
 pub use polygon::{Polygon, Sides};
 pub use probe::{Probe, ProbeStatistics};
 pub use sampler::LightSampler;
-pub use sky::Sky;
+pub use sky::{Sky, SkyKind};
 pub use source::Source;
 pub use sphere::SphereLight;
+pub use sun::{Sun, SunSettings};
+pub use words::{WordFault, facing};
 
 use crate::error::Result;
 use crate::image::ReadOptions;
@@ -59,6 +71,15 @@ impl Part {
             .map(|distance| distance as f32)
     }
 
+    /// The part within a sum that is itself scaled and turned.
+    fn placed(mut self, scale: Vec3, rotation: Quat) -> Self {
+        self.scale *= scale;
+        if rotation != Quat::IDENTITY {
+            self.world_from_local = (rotation * self.world_from_local).normalize();
+        }
+        self
+    }
+
     pub(crate) fn local_point(&self, point: Vec3) -> DVec3 {
         self.world_from_local.as_dquat().normalize().inverse() * point.as_dvec3()
     }
@@ -81,20 +102,27 @@ impl Light {
 
     /// Reads a light from the words of the command line.
     ///
-    /// Parts joined by `+`, each with options behind `?`, joined by `&`:
+    /// Parts joined by `+`, each with options behind `?`, joined by `&`. Directions and positions are `x,y,z`, angles
+    /// degrees, colours `r,g,b`. docs/guide has a page on lights with a picture of each.
     /// - a picture (`.hdr .exr .pfm .dds .float`): `layout=latlong|angular|cross|cube|mirror`, else its shape decides;
-    /// - a `.json` of coefficients;
-    /// - `white`: radiance 1 everywhere;
-    /// - `disc?dir=0,1,1&angle=20`: radiance 1 within `angle` degrees of `dir` (the half-angle, as seen from the middle);
-    /// - `sky:overcast`, `sky:clear?sun=45,180`, `sky:cie1` … `sky:cie15`: sun by elevation and azimuth in degrees, azimuth
-    ///   from +z towards +x; `ground=0.2` is the albedo of the ground below. The sky alone gives an open horizontal
-    ///   surface the irradiance π, as `white` does;
+    /// - a `.json`: coefficients, or a description of a light ([`Light::to_json`]);
+    /// - `white`, or `constant`: radiance 1 everywhere;
+    /// - `disc?dir=0,1,1&angle=20`: radiance 1 within `angle` of `dir` (the half-angle, as seen from the middle);
+    /// - `directional?dir=0,1,0`: all from one direction; irradiance 1 on a surface that faces it;
+    /// - `phong?dir=0,1,0&shininess=20`: radiance max(cos θ, 0)^shininess around `dir`;
+    /// - `zonal?coeffs=1,0.5,0.2`: Σ z_l Y_l0 around `dir`, which is up if it is not given;
+    /// - `hemisphere?sky=0.4,0.6,1&ground=0.2,0.1,0`: one colour above, one below; `up=0,1,0` is the axis;
+    /// - `gradient?from=0,0,0&to=1,1,1`: linear in the height along `dir`, which is up if it is not given;
+    /// - `sky:overcast`, `sky:clear?sun=45,180`, `sky:cloudy?sun=..`, `sky:intermediate?sun=..`, `sky:cie1` … `sky:cie15`:
+    ///   sun by elevation and azimuth, azimuth from +z towards +x; `ground=0.2` is the albedo of the ground below. The sky
+    ///   alone gives an open horizontal surface the irradiance π, as `white` does;
     /// - `sphere?pos=0,2,0&radius=0.5`: a sphere of radiance 1 that stands in the world;
     /// - `polygon?points=-1,2,-1;1,2,-1;1,2,1;-1,2,1`: a flat area of radiance 1, lit on both sides, or with `sides=one` on
     ///   that from which its points run counter-clockwise.
     ///
-    /// Every part takes `intensity=2` and `color=1,0.5,0`, which multiply. Where a file's own name has `+`, `?` or `&` in
-    /// it, an existing file wins over the other reading; formulas win over files of the same name (`./white`).
+    /// Every part takes `intensity=2` and `color=1,0.5,0`, which multiply, and `turn=AZIMUTH,ELEVATION`, where what was at
+    /// +z goes, or `rotation=x,y,z,w`. Where a file's own name has `+`, `?` or `&` in it, an existing file wins over the
+    /// other reading; formulas win over files of the same name (`./white`).
     ///
     /// # Errors
     /// If a word is unknown, a value is none, or a file is not a light: one line that names it and what is allowed.
@@ -108,6 +136,14 @@ impl Light {
     /// As [`Light::parse`].
     pub fn parse_with(spec: &str, options: &ReadOptions) -> Result<Self> {
         spec::parse(spec, options).map(Self::new)
+    }
+
+    /// Reads a `.json` of coefficients or of a description, with pictures read as `options` say.
+    ///
+    /// # Errors
+    /// If the file cannot be read or is not as docs/format.md says.
+    pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
+        description::open(path, options, &mut description::Trail::default()).map(Self::new)
     }
 
     /// The parts of the sum.

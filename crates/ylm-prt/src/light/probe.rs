@@ -1,13 +1,13 @@
 //! A picture of the whole sphere as a light.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use ylm::Bands;
 use ylm::layout::{Grid, Layout, accumulate};
 
-use super::luminance;
+use super::{SunSettings, luminance};
 use crate::error::{Error, Result};
 use crate::image::{Decoded, Image, Projection, ReadOptions};
 
@@ -20,6 +20,10 @@ pub struct Probe {
     grid: Grid,
     /// How many channels of texels the reader set to 0 on request.
     pub repaired: usize,
+    file: Option<PathBuf>,
+    forced: Option<LayoutWord>,
+    /// Which suns were taken out of the file's picture.
+    pub(super) without_suns: Option<SunSettings>,
 }
 
 /// A word for a layout, as the command line has it.
@@ -92,10 +96,11 @@ impl Probe {
     /// # Errors
     /// If the file is no picture of radiance, or its shape does not fit the layout or is that of none.
     pub fn open(path: &Path, layout: Option<LayoutWord>, options: &ReadOptions) -> Result<Self> {
-        Self::new(Decoded::open(path, options)?, layout).map_err(|error| match error {
+        let probe = Self::new(Decoded::open(path, options)?, layout).map_err(|error| match error {
             Error::Io { .. } | Error::File { .. } => error,
             other => Error::file(path, other),
-        })
+        })?;
+        Ok(Self { file: Some(path.to_owned()), forced: layout, ..probe })
     }
 
     /// The probe of a picture.
@@ -127,7 +132,28 @@ impl Probe {
             let (column, row) = (index % image.width, index / image.width);
             return Err(Error::Request(format!("the texel in column {column}, row {row} is no radiance")));
         }
-        Ok(Self { image, grid, repaired })
+        Ok(Self { image, grid, repaired, file: None, forced: None, without_suns: None })
+    }
+
+    /// The same probe with other texels.
+    pub(super) fn with_pixels(&self, pixels: Vec<[f32; 3]>) -> Self {
+        let image = Image { width: self.image.width, height: self.image.height, pixels };
+        Self { image, ..self.clone() }
+    }
+
+    /// The file that it is from.
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_deref()
+    }
+
+    /// The word that forced its layout.
+    pub fn layout_word(&self) -> Option<&'static str> {
+        LayoutWord::WORDS.iter().find(|(_, layout)| Some(*layout) == self.forced).map(|(word, _)| *word)
+    }
+
+    /// What suns were taken out of it, if any were.
+    pub fn without_suns(&self) -> Option<&SunSettings> {
+        self.without_suns.as_ref()
     }
 
     /// The picture.

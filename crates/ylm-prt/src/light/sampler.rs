@@ -6,8 +6,9 @@ use std::sync::Arc;
 use glam::{DVec3, Quat, Vec3};
 use ylm::layout::{Grid, Layout};
 
+use super::lobe::{phong_power, sample_phong};
 use super::seen::SeenPolygon;
-use super::{Light, Part, Source, luminance};
+use super::{Light, Lobe, Part, Profile, Source, luminance};
 use crate::error::{Error, Result};
 
 /// Draws directions from a point towards a light.
@@ -38,6 +39,7 @@ enum Shape {
     Sphere,
     Disc(super::Disc),
     Texels(Arc<Texels>),
+    Phong(Arc<Lobe>, f64),
     Polygon(Box<SeenPolygon>),
 }
 
@@ -148,9 +150,14 @@ impl Shape {
                 };
                 Self::of_texels(grid.clone(), texel)
             }
-            Source::Sky(_) => Self::of_table(source, 0.0),
+            Source::Sky(_) | Source::Gradient(_) => Self::of_table(source, 0.0),
             // The reconstruction changes its sign, so the table follows its size and never quite vanishes.
             Source::Coeffs(_) => Self::of_table(source, 0.1),
+            Source::Lobe(lobe) => match lobe.profile() {
+                Profile::Directional => (Self::Disc(lobe.point()), 1.0),
+                Profile::Phong(shininess) => (Self::Phong(lobe.clone(), *shininess), phong_power(*shininess)),
+                Profile::Zonal(_) => Self::of_table(source, 0.1),
+            },
             Source::Sphere(sphere) => match sphere.seen_from(point) {
                 Some(disc) => (Self::Disc(disc), disc.solid_angle()),
                 None => (Self::Sphere, 2.0 * TAU),
@@ -174,6 +181,7 @@ impl Shape {
             }
             Self::Disc(disc) => disc.sample(u),
             Self::Texels(texels) => texels.sample(u),
+            Self::Phong(lobe, shininess) => sample_phong(lobe.axis(), *shininess, u),
             Self::Polygon(polygon) => polygon.sample(u),
         }
     }
@@ -220,6 +228,7 @@ impl Shape {
             Self::Sphere => 1.0 / (2.0 * TAU),
             Self::Disc(disc) => f64::from(disc.radiance(direction)) / disc.solid_angle(),
             Self::Texels(texels) => texels.density(direction),
+            Self::Phong(lobe, shininess) => f64::from(lobe.radiance(direction)) / phong_power(*shininess),
             Self::Polygon(polygon) => polygon.density(direction),
         }
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use ylm::Bands;
 
-use super::{Disc, LightCoeffs, Polygon, Probe, Sky, SphereLight};
+use super::{Disc, Gradient, LightCoeffs, Lobe, Polygon, Probe, Sky, SphereLight};
 use crate::error::Result;
 
 /// Where light comes from.
@@ -19,6 +19,10 @@ pub enum Source {
     Disc(Disc),
     /// A CIE sky over a grey ground.
     Sky(Sky),
+    /// A function of the angle to an axis: all from one direction, a Phong lobe, zonal coefficients.
+    Lobe(Arc<Lobe>),
+    /// One colour that goes over into another along an axis.
+    Gradient(Gradient),
     /// An SH expansion; its radiance is the reconstruction and may be negative.
     Coeffs(Arc<LightCoeffs>),
     /// A sphere of radiance 1 that stands somewhere.
@@ -40,6 +44,8 @@ impl Source {
             Self::White => Vec3::ONE,
             Self::Disc(disc) => Vec3::splat(disc.radiance(direction)),
             Self::Sky(sky) => Vec3::splat(sky.radiance(direction)),
+            Self::Lobe(lobe) => Vec3::splat(lobe.radiance(direction)),
+            Self::Gradient(gradient) => gradient.radiance(direction),
             Self::Coeffs(coeffs) => coeffs.radiance(direction),
             Self::Sphere(_) | Self::Polygon(_) => match self.distance(point, direction) {
                 Some(_) => Vec3::ONE,
@@ -70,6 +76,8 @@ impl Source {
             Self::White => grey(white()),
             Self::Disc(disc) => grey(disc.project(bands)?),
             Self::Sky(sky) => grey(sky.project(bands)?),
+            Self::Lobe(lobe) => grey(lobe.project(bands)?),
+            Self::Gradient(gradient) => gradient.project(bands)?,
             Self::Coeffs(coeffs) => {
                 coeffs.resized(bands).channels.concat().into_iter().map(f64::from).collect()
             }
