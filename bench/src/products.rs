@@ -5,11 +5,13 @@ use std::hint::black_box;
 use ylm::product::fourier::{Fourier, FourierWorkspace};
 use ylm::product::gaunt::{BruteForce, Gaunt};
 use ylm::product::grid::{Factor, Grid};
-use ylm::product::{chain, unrolled, zonal};
+use ylm::product::plan::product_in;
+use ylm::product::{Method, chain, unrolled, zonal};
 use ylm::{Bands, Level, Workspace};
 
-use crate::Options;
+use crate::table::Table;
 use crate::timing::nanoseconds_per_item;
+use crate::{Options, machine};
 
 /// Rows of a batch: a workload of a renderer, and still in the cache.
 pub const ROWS: usize = 64;
@@ -62,6 +64,15 @@ impl<'a> Products<'a> {
         let (out, workspace) = (&mut self.out, &mut self.workspace);
         nanoseconds_per_item(self.options.quick, ROWS, || {
             grid.product(&factors, 1, out, workspace).expect("lengths fit");
+        })
+    }
+
+    /// By the method that the planner picks, [`ROWS`] rows a call.
+    pub fn default(&mut self) -> f64 {
+        let factors: Vec<&[f32]> = self.factors.iter().map(Vec::as_slice).collect();
+        let (bands, out, workspace) = (self.bands, &mut self.out, &mut self.workspace);
+        nanoseconds_per_item(self.options.quick, ROWS, || {
+            product_in(bands, &factors, Method::Auto, out, workspace).expect("lengths fit");
         })
     }
 
@@ -121,6 +132,34 @@ impl<'a> Products<'a> {
         [there, (all - there - back).max(0.0), back]
     }
 
+    /// The steps of the grid, [`ROWS`] rows a call, their values kept in between: to values, multiplication, back to SH.
+    pub fn grid_steps(&mut self) -> [f64; 3] {
+        let grid = Grid::new(self.bands, self.factors.len()).expect("in range");
+        let workspace = &mut self.workspace;
+        let quick = self.options.quick;
+        let there = nanoseconds_per_item(quick, ROWS, || {
+            for factor in &self.factors {
+                black_box(grid.values(factor, workspace).expect("lengths fit"));
+            }
+        });
+        // Times 1, so that the numbers stay what they are however often they are multiplied.
+        let count = self.bands.coeff_count();
+        let one = |i: usize| if i.is_multiple_of(count) { (4.0 * std::f32::consts::PI).sqrt() } else { 0.0 };
+        let ones: Vec<f32> = (0..ROWS * count).map(one).collect();
+        let ones = grid.values(&ones, workspace).expect("lengths fit");
+        let mut values = grid.values(&self.factors[0], workspace).expect("lengths fit");
+        let between = nanoseconds_per_item(quick, ROWS, || {
+            for _ in 1..self.factors.len() {
+                values.multiply(&ones).expect("the same grid");
+            }
+        });
+        let out = &mut self.out;
+        let back = nanoseconds_per_item(quick, ROWS, || {
+            grid.product(&[Factor::Values(&values)], 1, out, workspace).expect("lengths fit");
+        });
+        [there, between, back]
+    }
+
     /// The sparse tensor, number by number.
     pub fn sparse(&mut self) -> f64 {
         let gaunt = Gaunt::new(self.bands).expect("in range");
@@ -149,6 +188,27 @@ impl<'a> Products<'a> {
         nanoseconds_per_item(self.options.quick, 100, || {
             for _ in 0..100 {
                 unrolled::product(black_box(a), black_box(b), black_box(&mut *out)).expect("lengths fit");
+            }
+        })
+    }
+
+    /// Straight-line code of arrays, one product a call, unchecked.
+    pub fn unrolled_array(&mut self) -> f64 {
+        match self.bands.count() {
+            2 => self.array::<4>(),
+            3 => self.array::<9>(),
+            4 => self.array::<16>(),
+            5 => self.array::<25>(),
+            _ => self.array::<36>(),
+        }
+    }
+
+    fn array<const C: usize>(&self) -> f64 {
+        let array = |i: usize| <[f32; C]>::try_from(&self.factors[i][..C]).expect("n² of them");
+        let (a, b, mut out) = (array(0), array(1), [0.0; C]);
+        nanoseconds_per_item(self.options.quick, 100, || {
+            for _ in 0..100 {
+                *black_box(&mut out) = unrolled::product_array(black_box(&a), black_box(&b));
             }
         })
     }
@@ -219,6 +279,39 @@ pub fn write(options: &Options, name: &str, text: &str) {
     match std::fs::write(&path, text) {
         Ok(()) => eprintln!("wrote {}", path.display()),
         Err(error) => eprintln!("{}: {error}", path.display()),
+    }
+}
+
+/// Writes the tables of a bench as the page that docs/results/products.md links to.
+pub fn write_tables(options: &Options, name: &str, tables: &[Table]) {
+    let tables: Vec<String> = tables.iter().map(Table::to_markdown).collect();
+    write(options, name, &format!("{}\n\n{}", machine::describe(), tables.join("\n")));
+}
+
+/// The steps of a method, by n.
+pub struct Steps {
+    table: Table,
+}
+
+impl Steps {
+    /// `steps` are the names of the way there, what is between and the way back.
+    pub fn new(title: impl Into<String>, steps: [&str; 3]) -> Self {
+        let columns = ["n", steps[0], steps[1], steps[2], "% there", "% between", "% back"];
+        Self { table: Table::new(title, &columns) }
+    }
+
+    /// Times of the steps, ns.
+    pub fn row(&mut self, n: usize, times: [f64; 3]) {
+        let all: f64 = times.iter().sum();
+        let mut cells = vec![n.to_string()];
+        cells.extend(times.map(microseconds));
+        cells.extend(times.map(|time| format!("{:.0}", 100.0 * time / all)));
+        self.table.row(cells);
+    }
+
+    /// The table.
+    pub fn into_table(self) -> Table {
+        self.table
     }
 }
 

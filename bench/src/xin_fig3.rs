@@ -1,10 +1,10 @@
 //! [Xin21] Fig. 3: the triple product by every method, and the steps of the Fourier method.
 
-use crate::products::{Products, microseconds, write};
+use ylm_plot::{Curve, Scale, line_chart};
 
+use crate::products::{Products, Steps, microseconds, write, write_tables};
 use crate::table::Table;
 use crate::{Options, machine};
-use ylm_plot::{Curve, Scale, line_chart};
 
 /// Published times of the paper's code with FFTW, µs, measured once on another machine.
 const PUBLISHED_FOURIER: [(usize, f64); 6] =
@@ -40,13 +40,17 @@ pub fn run(options: &Options) -> Vec<Table> {
             "% of peak (multiply-adds)",
         ],
     );
-    let mut steps = Table::new(
+    let mut steps = Steps::new(
         "Fig. 3 (c): steps of the Fourier method, f64, µs a product",
-        &["n", "SH → Fourier", "convolution", "Fourier → SH", "convolution, % of all"],
+        ["SH → Fourier", "convolution", "Fourier → SH"],
+    );
+    let mut grid_steps = Steps::new(
+        "Fig. 3 (d): steps of the grid apart, values kept in between, f32, batch, µs a product",
+        ["SH → grid", "multiplication", "grid → SH"],
     );
     let mut single = Table::new(
         "One product at a time, f32, ns",
-        &["n", "straight-line", "DirectXMath (elsewhere)", "sparse tensor"],
+        &["n", "straight-line", "straight-line, arrays", "DirectXMath (elsewhere)", "sparse tensor"],
     );
     let names = [
         "sparse tensor, scalar",
@@ -62,7 +66,7 @@ pub fn run(options: &Options) -> Vec<Table> {
         let (sparse, fourier) = (products.sparse(), products.fourier());
         let (sparse_batch, grid, zonal) = (products.sparse_batch(), products.grid(), products.zonal());
         let straight = (n <= 6).then(|| products.unrolled_batch());
-        let best = straight.map_or(grid, |straight| straight.min(grid));
+        let best = products.default();
         let published = PUBLISHED_FOURIER.iter().find(|p| p.0 == n).map(|p| p.1);
         let flops = 2.0 * products.grid_multiply_adds() as f64 / grid;
         times.row(vec![
@@ -84,19 +88,14 @@ pub fn run(options: &Options) -> Vec<Table> {
         for (curve, ns) in curves.iter_mut().zip([sparse, fourier, sparse_batch, grid, best, zonal]) {
             curve.points.push((n as f64, ns / 1000.0));
         }
-        let [there, convolution, back] = products.fourier_steps();
-        steps.row(vec![
-            n.to_string(),
-            microseconds(there),
-            microseconds(convolution),
-            microseconds(back),
-            format!("{:.0}", 100.0 * convolution / (there + convolution + back)),
-        ]);
+        steps.row(n, products.fourier_steps());
+        grid_steps.row(n, products.grid_steps());
         if let Some(published) = n.checked_sub(2).and_then(|i| DIRECTXMATH.get(i)) {
             let straight = products.unrolled();
             single.row(vec![
                 n.to_string(),
                 format!("{straight:.1}"),
+                format!("{:.1}", products.unrolled_array()),
                 published.to_string(),
                 format!("{sparse:.0}"),
             ]);
@@ -105,5 +104,7 @@ pub fn run(options: &Options) -> Vec<Table> {
     let title = "Triple product of n bands, f32, one thread";
     let chart = line_chart(title, "bands n", "µs a product", Scale::Logarithmic, &curves);
     write(options, "xin-fig3.svg", &chart.to_svg());
-    vec![times, steps, single]
+    let tables = vec![times, steps.into_table(), grid_steps.into_table(), single];
+    write_tables(options, "xin-fig3.md", &tables);
+    tables
 }

@@ -1,10 +1,10 @@
 //! [Xin21] Fig. 4: products of k − 1 functions, exact and truncated.
 
-use crate::Options;
-use crate::products::{Products, microseconds, write};
-
-use crate::table::Table;
 use ylm_plot::{Curve, Scale, line_chart};
+
+use crate::Options;
+use crate::products::{Products, Steps, microseconds, write, write_tables};
+use crate::table::Table;
 
 /// For k = 4, 6, 8: times by n, and the steps of the Fourier method.
 pub fn run(options: &Options) -> Vec<Table> {
@@ -21,13 +21,18 @@ pub fn run(options: &Options) -> Vec<Table> {
                 "Fourier, exact",
                 "chain of grids (truncated)",
                 "grid, exact",
+                "default",
                 "exact grid × chain of sparse",
                 "exact grid × Fourier",
             ],
         );
-        let mut steps = Table::new(
+        let mut steps = Steps::new(
             format!("Fig. 4: steps of the Fourier method, k = {k}, f64, µs a product"),
-            &["n", "SH → Fourier", "convolution", "Fourier → SH", "convolution, % of all"],
+            ["SH → Fourier", "convolution", "Fourier → SH"],
+        );
+        let mut grid_steps = Steps::new(
+            format!("Fig. 4: steps of the grid apart, k = {k}, f32, batch, µs a product"),
+            ["SH → grid", "multiplication", "grid → SH"],
         );
         let names = ["full tensor", "chain of sparse", "Fourier, exact", "chain of grids", "grid, exact"];
         let mut curves = names.map(|name| Curve { name: name.to_owned(), points: Vec::new() });
@@ -43,6 +48,7 @@ pub fn run(options: &Options) -> Vec<Table> {
                 microseconds(fourier),
                 microseconds(chain),
                 microseconds(grid),
+                microseconds(products.default()),
                 format!("{:.1}", sparse / grid),
                 format!("{:.1}", fourier / grid),
             ]);
@@ -50,19 +56,14 @@ pub fn run(options: &Options) -> Vec<Table> {
             for (curve, ns) in curves.iter_mut().zip(all) {
                 curve.points.push((n as f64, ns / 1000.0));
             }
-            let [there, convolution, back] = products.fourier_steps();
-            steps.row(vec![
-                n.to_string(),
-                microseconds(there),
-                microseconds(convolution),
-                microseconds(back),
-                format!("{:.0}", 100.0 * convolution / (there + convolution + back)),
-            ]);
+            steps.row(n, products.fourier_steps());
+            grid_steps.row(n, products.grid_steps());
         }
         let title = format!("Product of {} functions of n bands (k = {k}), f32, one thread", k - 1);
         let chart = line_chart(&title, "bands n", "µs a product", Scale::Logarithmic, &curves);
         write(options, &format!("xin-fig4-k{k}.svg"), &chart.to_svg());
-        tables.extend([times, steps]);
+        tables.extend([times, steps.into_table(), grid_steps.into_table()]);
     }
+    write_tables(options, "xin-fig4.md", &tables);
     tables
 }

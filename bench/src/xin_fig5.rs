@@ -12,7 +12,7 @@ use ylm_prt::render::{Frame, Sheet, contact_sheet};
 use ylm_prt::scene::{Bvh, LightingPoints, Mesh, Ray, ReadOptions};
 
 use crate::Options;
-use crate::products::random;
+use crate::products::{random, write_tables};
 use crate::table::Table;
 
 /// Pixels of a sphere's picture.
@@ -54,7 +54,9 @@ pub fn run(options: &Options) -> Vec<Table> {
         }
         None => eprintln!("group c needs the armadillo of the data folder"),
     }
-    vec![table]
+    let tables = vec![table];
+    write_tables(options, "xin-fig5.md", &tables);
+    tables
 }
 
 /// Group c: what three vertices with like normals see of the sky.

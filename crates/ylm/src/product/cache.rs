@@ -2,17 +2,24 @@
 
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// The table of a type and two sizes, built at the first call.
+type Key = (TypeId, usize, usize);
+type Shared = Arc<dyn Any + Send + Sync>;
+
+/// The table of a type and two sizes, built at the first call and kept until the process ends.
+///
+/// Threads that ask for a table that is being built wait for it; those that ask for another one do not.
 pub fn shared<Table: Any + Send + Sync>(sizes: (usize, usize), build: impl FnOnce() -> Table) -> Arc<Table> {
-    type Key = (TypeId, usize, usize);
-    static TABLES: OnceLock<Mutex<HashMap<Key, Arc<dyn Any + Send + Sync>>>> = OnceLock::new();
-    let mut tables = match TABLES.get_or_init(Mutex::default).lock() {
-        Ok(tables) => tables,
-        // A panic elsewhere leaves whole entries: each is inserted complete.
-        Err(poisoned) => poisoned.into_inner(),
+    static TABLES: OnceLock<Mutex<HashMap<Key, Arc<OnceLock<Shared>>>>> = OnceLock::new();
+    let entry = {
+        // A panic elsewhere leaves the map whole: it is only ever added to.
+        let mut tables = TABLES.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner);
+        Arc::clone(tables.entry((TypeId::of::<Table>(), sizes.0, sizes.1)).or_default())
     };
-    let entry = tables.entry((TypeId::of::<Table>(), sizes.0, sizes.1)).or_insert_with(|| Arc::new(build()));
-    Arc::clone(entry).downcast().expect("the key names the type")
+    let table = Arc::clone(entry.get_or_init(|| Arc::new(build())));
+    table.downcast().expect("the key names the type")
 }
+
+#[cfg(test)]
+pub mod tests;

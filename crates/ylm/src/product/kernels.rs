@@ -1,6 +1,10 @@
 //! The kernels of both precisions, compiled once in this crate and not again in every crate that multiplies.
 
-use super::{gaunt, grid, matrix, plan, unrolled, zonal};
+use std::cell::RefCell;
+
+use super::fourier::{Fourier, FourierWorkspace};
+use super::pairs::Pairs;
+use super::{gaunt, grid, matrix, unrolled, zonal};
 use crate::error::Result;
 use crate::{Bands, Level};
 
@@ -8,8 +12,10 @@ use crate::{Bands, Level};
 pub trait ProductKernels: Sized {
     /// Products of a batch on a grid.
     fn run_grid(level: Level, batch: grid::kernel::Batch<'_, Self>);
+    /// Products of a batch on a grid, one after the other.
+    fn run_grid_single(level: Level, batch: grid::kernel::Batch<'_, Self>);
     /// Products of a batch by the sparse tensor.
-    fn run_pairs(level: Level, batch: gaunt::PairKernel<'_, Self>);
+    fn run_gaunt(level: Level, batch: Pairs<'_, Self, gaunt::Tensor<Self>>);
     /// Products of a batch with a zonal function.
     fn run_zonal(level: Level, batch: zonal::ZonalBatch<'_, Self>);
     /// A product matrix applied to a batch.
@@ -19,16 +25,19 @@ pub trait ProductKernels: Sized {
     /// One product by straight-line code.
     fn run_one(level: Level, one: unrolled::One<'_, Self>);
     /// Products of a batch by straight-line code.
-    fn run_many(level: Level, many: unrolled::Many<'_, Self>);
+    fn run_straight(level: Level, batch: Pairs<'_, Self, unrolled::Straight>);
 }
 
 macro_rules! impl_kernels {
     ($float:ty) => {
         impl ProductKernels for $float {
             fn run_grid(level: Level, batch: grid::kernel::Batch<'_, Self>) {
-                level.run(batch);
+                grid::kernel::run(level, batch);
             }
-            fn run_pairs(level: Level, batch: gaunt::PairKernel<'_, Self>) {
+            fn run_grid_single(level: Level, batch: grid::kernel::Batch<'_, Self>) {
+                level.run_single(grid::kernel::OfBands::<Self, 0>(batch));
+            }
+            fn run_gaunt(level: Level, batch: Pairs<'_, Self, gaunt::Tensor<Self>>) {
                 level.run(batch);
             }
             fn run_zonal(level: Level, batch: zonal::ZonalBatch<'_, Self>) {
@@ -38,13 +47,17 @@ macro_rules! impl_kernels {
                 level.run(batch);
             }
             fn run_fourier(bands: Bands, factors: &[&[Self]], out: &mut [Self]) -> Result<()> {
-                plan::by_fourier(bands, factors, out)
+                thread_local! {
+                    static WORKSPACE: RefCell<FourierWorkspace<$float>> = RefCell::default();
+                }
+                let fourier = Fourier::new(bands, factors.len())?;
+                WORKSPACE.with_borrow_mut(|workspace| fourier.product(factors, out, workspace))
             }
             fn run_one(level: Level, one: unrolled::One<'_, Self>) {
                 level.run_single(one);
             }
-            fn run_many(level: Level, many: unrolled::Many<'_, Self>) {
-                level.run(many);
+            fn run_straight(level: Level, batch: Pairs<'_, Self, unrolled::Straight>) {
+                level.run(batch);
             }
         }
     };

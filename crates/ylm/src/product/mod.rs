@@ -12,6 +12,9 @@
 //! | [`zonal`] | values on one meridian | O(n³), no Fourier sums | a zonal factor |
 //! | [`cap`] | values on rings of a cap | O(n³) | a factor that is 1 within an angle and 0 elsewhere, with all of its bands |
 //! | [`matrix`] | the factor as a matrix | O(n⁴) a row | the matrix itself |
+//!
+//! Rows never meet, by any method: a NaN, an infinity or an overflow stays in its row, and shows in at least one coefficient there.
+//! In a factor that all rows share it reaches all of them.
 
 pub(crate) mod cache;
 pub mod cap;
@@ -20,12 +23,16 @@ pub mod fourier;
 pub mod gaunt;
 pub mod grid;
 pub(crate) mod kernels;
+mod limits;
 pub mod matrix;
 #[cfg(test)]
 pub(crate) mod oracle;
+mod pairs;
 pub mod plan;
 #[rustfmt::skip]
 mod straight;
+#[cfg(test)]
+mod tests;
 pub mod unrolled;
 pub mod zonal;
 

@@ -60,12 +60,6 @@ impl Dense {
         out
     }
 
-    /// The norm of the product itself, of which `bands` are a part: what rounding errors are in proportion to.
-    pub fn norm<T: Real>(&self, factors: &[&[T]]) -> f64 {
-        let squares = self.product_values(factors).into_iter().zip(&self.weights).map(|(p, w)| p * p / w);
-        squares.sum::<f64>().sqrt()
-    }
-
     /// The integral of the product of the factors.
     pub fn integral<T: Real>(&self, factors: &[&[T]]) -> f64 {
         self.product_values(factors).iter().sum()

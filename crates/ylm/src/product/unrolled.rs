@@ -4,10 +4,11 @@
 //!
 //! [Snyder 2006] "Code generation and factoring for fast evaluation of low-order spherical harmonic products and squares"
 
-use super::grid::kernel::{gather, scatter};
+use super::limits::checked_bands;
+use super::pairs::{Pairs, Pairwise};
 use super::straight::{product_2, product_3, product_4, product_5, product_6};
-use crate::error::{Error, Result, check_length};
-use crate::simd::{Kernel, Lanes};
+use crate::error::{Result, check_length};
+use crate::simd::{Kernel, Lanes, Single};
 use crate::{Bands, Level, Real, Workspace};
 
 /// The fewest bands.
@@ -18,7 +19,7 @@ pub const MAX_BANDS: usize = 6;
 /// The product of one pair of functions.
 ///
 /// Shapes: all n², n = 2 … 6. A NaN reaches the coefficients that it takes part in.
-/// Error: relative L2 ≤ 1e-6 in f32, ≤ 1e-13 in f64 (test `unrolled_products_equal_dense_quadrature`).
+/// Error: relative L2 ≤ 1e-6 in f32, ≤ 1e-13 in f64 (test `every_method_equals_dense_quadrature_and_every_other`).
 /// Cost: 12, 123, 387, 1140, 2553 operations at n = 2 … 6; bench `xin-fig3`.
 ///
 /// # Errors
@@ -32,10 +33,33 @@ pub fn product<T: Real>(a: &[T], b: &[T], out: &mut [T]) -> Result<()> {
         16 => 4,
         25 => 5,
         36 => 6,
-        other => checked_bands(Bands::of_coeff_count(other)?)?,
+        other => checked_bands(Bands::of_coeff_count(other)?, MIN_BANDS..=MAX_BANDS)?,
     };
     T::run_one(Level::best(), One { bands, a, b, out });
     Ok(())
+}
+
+/// The product of one pair of functions whose length is known when the code is compiled: nothing is checked, and a product of two or
+/// three bands is inlined where it is called.
+///
+/// Shapes: all `C` = n², n = 2 … 6; another `C` does not compile.
+/// Error: as [`product`]. Cost: bench `xin-fig3`.
+///
+/// ```
+/// let (a, b) = ([1.0f32, 0.0, 0.5, 0.0], [1.0, 0.25, 0.0, 0.0]);
+/// let both = ylm::product::unrolled::product_array(&a, &b);
+/// assert!((both[1] - 0.25 * both[0]).abs() <= 1e-7);
+/// ```
+#[inline]
+pub fn product_array<T: Real, const C: usize>(a: &[T; C], b: &[T; C]) -> [T; C] {
+    const { assert!(C == 4 || C == 9 || C == 16 || C == 25 || C == 36, "n² of 2 to 6 bands") };
+    let mut out = [T::ZERO; C];
+    if const { C <= 9 } {
+        One { bands: const { C.isqrt() }, a, b, out: &mut out }.run::<Single<T>>();
+    } else {
+        T::run_one(Level::best(), One { bands: const { C.isqrt() }, a, b, out: &mut out });
+    }
+    out
 }
 
 /// The products of a batch, one row a lane; no row touches another.
@@ -52,28 +76,20 @@ pub fn product_batch<T: Real>(
     level: Level,
     workspace: &mut Workspace,
 ) -> Result<()> {
-    let bands = checked_bands(bands)?;
-    let coeff_count = bands * bands;
-    check_length("the product", out.len(), out.len() / coeff_count * coeff_count)?;
-    check_length("the first factor", a.len(), out.len())?;
-    check_length("the second factor", b.len(), out.len())?;
+    let bands = checked_bands(bands, MIN_BANDS..=MAX_BANDS)?;
+    let straight = Straight { bands };
+    let pairs = Pairs::new(&straight, a, b, out, workspace)?;
     if level == Level::PORTABLE {
         // Without vector registers there is nothing to win side by side, and much code to compile.
+        let coeff_count = bands * bands;
         let rows = a.chunks_exact(coeff_count).zip(b.chunks_exact(coeff_count));
         for ((a, b), out) in rows.zip(out.chunks_exact_mut(coeff_count)) {
             T::run_one(level, One { bands, a, b, out });
         }
     } else {
-        T::run_many(level, Many { bands, a, b, out, workspace });
+        T::run_straight(level, pairs);
     }
     Ok(())
-}
-
-fn checked_bands(bands: Bands) -> Result<usize> {
-    match bands.count() {
-        n @ MIN_BANDS..=MAX_BANDS => Ok(n),
-        n => Err(Error::Bands { bands: n, min: MIN_BANDS, max: MAX_BANDS }),
-    }
 }
 
 /// One product.
@@ -114,39 +130,27 @@ fn store<T: Real, V: Lanes<T>, const N: usize>(values: &[V; N], to: &mut [T]) {
     }
 }
 
-/// A batch of products, one row a lane.
-pub struct Many<'a, T> {
+/// The straight-line code of one number of bands, for rows side by side.
+pub struct Straight {
     bands: usize,
-    a: &'a [T],
-    b: &'a [T],
-    out: &'a mut [T],
-    workspace: &'a mut Workspace,
 }
 
-impl<T: Real> Kernel<T> for Many<'_, T> {
-    type Output = ();
+impl<T: Real> Pairwise<T> for Straight {
+    fn coeff_count(&self) -> usize {
+        self.bands * self.bands
+    }
+
     #[inline(always)]
-    fn run<V: Lanes<T>>(self) {
+    fn multiply<V: Lanes<T>>(&self, a: &[V], b: &[V], product: &mut [V]) {
         if const { V::PLAIN } {
             return;
         }
-        let Self { bands, a, b, out, workspace } = self;
-        let width = bands * bands;
-        let slots: [u32; MAX_BANDS * MAX_BANDS] = std::array::from_fn(|i| i as u32);
-        let slots = &slots[..width];
-        let (left, right) = workspace.vectors::<T, V>(2 * width).split_at_mut(width);
-        let rows = width * V::COUNT;
-        for ((a, b), out) in a.chunks(rows).zip(b.chunks(rows)).zip(out.chunks_mut(rows)) {
-            let count = out.len() / width;
-            gather::<T, V>(a, width, count, slots, left);
-            gather::<T, V>(b, width, count, slots, right);
-            match bands {
-                2 => scatter::<T, V>(&product_2(chunk(left), chunk(right)), slots, count, width, out),
-                3 => scatter::<T, V>(&product_3(chunk(left), chunk(right)), slots, count, width, out),
-                4 => scatter::<T, V>(&product_4(chunk(left), chunk(right)), slots, count, width, out),
-                5 => scatter::<T, V>(&product_5(chunk(left), chunk(right)), slots, count, width, out),
-                _ => scatter::<T, V>(&product_6(chunk(left), chunk(right)), slots, count, width, out),
-            }
+        match self.bands {
+            2 => product.copy_from_slice(&product_2(chunk(a), chunk(b))),
+            3 => product.copy_from_slice(&product_3(chunk(a), chunk(b))),
+            4 => product.copy_from_slice(&product_4(chunk(a), chunk(b))),
+            5 => product.copy_from_slice(&product_5(chunk(a), chunk(b))),
+            _ => product.copy_from_slice(&product_6(chunk(a), chunk(b))),
         }
     }
 }
@@ -159,37 +163,6 @@ fn chunk<V, const N: usize>(vectors: &[V]) -> &[V; N] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::product::oracle::{Dense, random, relative_error};
-
-    fn check<T: Real>(n: usize, rows: usize, tolerance: f64) {
-        let (a, b): (Vec<T>, Vec<T>) = (random(rows * n * n, 1), random(rows * n * n, 2));
-        let dense = Dense::new(n, 3 * (n - 1));
-        let pairs = || a.chunks(n * n).zip(b.chunks(n * n));
-        let expected: Vec<f64> = pairs().flat_map(|(a, b)| dense.product(&[a, b])).collect();
-        let nan = T::from_f64(f64::NAN);
-        for level in Level::available() {
-            let mut out = vec![nan; rows * n * n];
-            let bands = Bands::new(n).unwrap();
-            product_batch(bands, &a, &b, &mut out, level, &mut Workspace::new()).unwrap();
-            let error = relative_error(&out, &expected);
-            assert!(error <= tolerance, "{} n {n} rows {rows}: {error:e}", level.name());
-        }
-        for ((a, b), expected) in pairs().zip(expected.chunks(n * n)) {
-            let mut out = vec![nan; n * n];
-            product(a, b, &mut out).unwrap();
-            assert!(relative_error(&out, expected) <= tolerance);
-        }
-    }
-
-    #[test]
-    fn unrolled_products_equal_dense_quadrature() {
-        for n in MIN_BANDS..=MAX_BANDS {
-            for rows in [0, 1, 15, 16, 17, 100] {
-                check::<f32>(n, rows, 1e-6);
-                check::<f64>(n, rows, 1e-13);
-            }
-        }
-    }
 
     #[test]
     fn other_bands_are_an_error_that_names_the_range() {

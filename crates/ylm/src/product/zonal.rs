@@ -9,7 +9,8 @@ use std::sync::Arc;
 use super::cache::shared;
 use super::grid::kernel::{gather, legendre_analysis, legendre_synthesis, scatter};
 use super::grid::table::{RING_TILE, Size, Table};
-use crate::error::{Error, Result, check_length};
+use super::limits::{MAX_BANDS, checked_bands, checked_sizes};
+use crate::error::{Result, check_length};
 use crate::simd::{Kernel, Lanes};
 use crate::{Bands, Level, Real, Workspace, legendre};
 
@@ -29,17 +30,14 @@ pub struct ZonalValues<T> {
 
 impl<T: Real> ZonalProduct<T> {
     /// The most bands.
-    pub const MAX_BANDS: usize = 64;
+    pub const MAX_BANDS: usize = MAX_BANDS;
 
     /// The tables for n bands, built on first use.
     ///
     /// # Errors
     /// If there are more than [`ZonalProduct::MAX_BANDS`] bands.
     pub fn new(bands: Bands) -> Result<Self> {
-        let n = bands.count();
-        if n > Self::MAX_BANDS {
-            return Err(Error::Bands { bands: n, min: 1, max: Self::MAX_BANDS });
-        }
+        let n = checked_bands(bands, 1..=MAX_BANDS)?;
         // The tables of the triple product: the same latitudes and Legendre values.
         let table = shared((n, 2), || Table::new(Size::of_degree(n, 3 * (n - 1))));
         Ok(Self { table, level: Level::best() })
@@ -133,12 +131,9 @@ impl ZonalZonal {
     /// For the product of `factor_count` functions, exact to n bands of the result.
     ///
     /// # Errors
-    /// If there are more than [`ZonalProduct::MAX_BANDS`] bands.
+    /// If there are more than [`ZonalProduct::MAX_BANDS`] bands, or the factor count is not 1 to [`MAX_FACTORS`](super::plan::MAX_FACTORS).
     pub fn with_factors(bands: Bands, factor_count: usize) -> Result<Self> {
-        let n = bands.count();
-        if n > ZonalProduct::<f64>::MAX_BANDS {
-            return Err(Error::Bands { bands: n, min: 1, max: ZonalProduct::<f64>::MAX_BANDS });
-        }
+        let n = checked_sizes(bands, factor_count)?;
         let (nodes, weights) = crate::quadrature::gauss_legendre((factor_count + 1) * (n - 1) / 2 + 1);
         let mut values = vec![0.0; n * nodes.len()];
         for (x, row) in nodes.iter().zip(values.chunks_exact_mut(n)) {

@@ -1,13 +1,13 @@
 //! The product of a batch on a grid: one row (function) a lane, all steps fused ring by ring.
 //!
 //! For each tile of ring pairs: Legendre sums of every factor (θ parity halves them), then for each ring the Fourier sums
-//! along it (the symmetries φ ↔ −φ ↔ π − φ quarter them) multiplied into the ring's values, then both steps backwards into
+//! along it (the symmetries φ ↔ −φ ↔ π − φ quarter them, φ ↔ π/2 − φ halves those of even orders again) multiplied into the ring's values, then both steps backwards into
 //! the coefficients of the result. Nothing larger than a few rings is ever stored.
 
-use super::table::{RING_TILE, Table, WAVE_TILE, order_slot};
-use crate::Real;
+use super::table::{PAIR_TILE, RING_TILE, Size, Table, WAVE_TILE, order_slot};
 use crate::simd::{Kernel, Lanes, MAX_COUNT};
 use crate::workspace::Workspace;
+use crate::{Level, Real};
 
 /// Where a factor of the product comes from.
 #[derive(Clone, Copy)]
@@ -39,8 +39,42 @@ pub struct Batch<'a, T> {
     pub workspace: &'a mut Workspace,
 }
 
+/// A batch of products of `N` bands, so that the lengths of most loops are known when the code is compiled; of any bands if 0.
+pub struct OfBands<'a, T, const N: usize>(pub Batch<'a, T>);
+
+/// Whether products of so many bands have code of their own, in numbers of so many bytes.
+///
+/// Constant bands make products of few bands faster: 1.1 to 1.5 times to 10 bands, by less than 5 % from 12 on (docs/results/products.md).
+/// Each takes the compiler seconds for each vector type, so only few bands have it, and in f64 those that f32 products of many factors
+/// are computed in.
+const fn has_own_code(bands: usize, number_bytes: usize) -> bool {
+    match bands {
+        3 | 4 => true,
+        5..=10 => number_bytes < size_of::<f64>(),
+        _ => false,
+    }
+}
+
+/// Runs a batch by the code of its number of bands, or of any.
+pub fn run<T: Real>(level: Level, batch: Batch<'_, T>) {
+    let bands = batch.table.size.bands;
+    let is_own = level != Level::PORTABLE && has_own_code(bands, size_of::<T>());
+    match if is_own { bands } else { 0 } {
+        3 => level.run(OfBands::<T, 3>(batch)),
+        4 => level.run(OfBands::<T, 4>(batch)),
+        5 => level.run(OfBands::<T, 5>(batch)),
+        6 => level.run(OfBands::<T, 6>(batch)),
+        7 => level.run(OfBands::<T, 7>(batch)),
+        8 => level.run(OfBands::<T, 8>(batch)),
+        9 => level.run(OfBands::<T, 9>(batch)),
+        10 => level.run(OfBands::<T, 10>(batch)),
+        _ => level.run(OfBands::<T, 0>(batch)),
+    }
+}
+
 /// What one group of lanes reads.
 struct Job<'a, T> {
+    size: Size,
     table: &'a Table<T>,
     factors: &'a [Source<'a, T>],
     group: usize,
@@ -57,18 +91,21 @@ struct Scratch<'a, V> {
     product_coeffs: &'a mut [V],
     /// Values on one ring: for each quarter point those at φ, −φ, π − φ, π + φ.
     values: &'a mut [V],
-    /// Their combinations: (even cosine, even sine) pairs, then (odd cosine, odd sine) pairs.
+    /// Their combinations: (cosine, sine) pairs for m = 4, 8, …, for m = 2, 6, …, and for odd m.
     folded: &'a mut [V],
     integral: V,
 }
 
-impl<T: Real> Kernel<T> for Batch<'_, T> {
+impl<T: Real, const N: usize> Kernel<T> for OfBands<'_, T, N> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Lanes<T>>(self) {
-        let Batch { table, factors, mut target, row_count, workspace } = self;
-        let size = table.size;
+        if const { N > 0 && (V::PLAIN || !has_own_code(N, size_of::<T>())) } {
+            return;
+        }
+        let Batch { table, factors, mut target, row_count, workspace } = self.0;
+        let size = if const { N > 0 } { Size { bands: N, ..table.size } } else { table.size };
         let coeff_count = size.bands * size.bands;
         let transformed = factors.iter().filter(|f| matches!(f, Source::Coeffs { .. })).count();
         let tile_orders = 2 * RING_TILE * size.order_count();
@@ -78,7 +115,7 @@ impl<T: Real> Kernel<T> for Batch<'_, T> {
             tile_orders,
             coeff_count,
             4 * size.quarter,
-            4 * size.quarter,
+            4 * size.quarter + 2,
         ];
         let mut rest = workspace.vectors::<T, V>(lengths.iter().sum());
         let [coeffs, orders, product_orders, product_coeffs, values, folded] = lengths.map(|length| {
@@ -102,7 +139,7 @@ impl<T: Real> Kernel<T> for Batch<'_, T> {
             }
             scratch.product_coeffs.fill(zero);
             scratch.integral = zero;
-            let job = Job { table, factors, group: first_row / V::COUNT };
+            let job = Job { size, table, factors, group: first_row / V::COUNT };
             let mut first_ring = 0;
             for &rings in &table.ring_tiles {
                 ring_tile::<T, V>(&job, &mut target, &mut scratch, first_ring, rings);
@@ -133,8 +170,7 @@ fn ring_tile<T: Real, V: Lanes<T>>(
     first: usize,
     rings: usize,
 ) {
-    let Job { table, factors, group } = *job;
-    let size = table.size;
+    let Job { size, table, factors, group } = *job;
     let (coeff_count, order_count) = (size.bands * size.bands, size.order_count());
     let ring_points = 4 * size.quarter;
     let rows = size.bands * (size.bands + 1) / 2;
@@ -162,9 +198,9 @@ fn ring_tile<T: Real, V: Lanes<T>>(
                     let orders = orders.next().expect("one for each factor of coefficients");
                     let orders = &orders[ring * order_count..][..order_count];
                     if i == 0 {
-                        ring_synthesis::<T, V, true>(table, orders, scratch.values);
+                        ring_synthesis::<T, V, true>(size, table, orders, scratch.values);
                     } else {
-                        ring_synthesis::<T, V, false>(table, orders, scratch.values);
+                        ring_synthesis::<T, V, false>(size, table, orders, scratch.values);
                     }
                 }
                 Source::SharedValues(shared) => {
@@ -186,7 +222,7 @@ fn ring_tile<T: Real, V: Lanes<T>>(
         match target {
             Target::Coeffs { .. } => {
                 let orders = &mut scratch.product_orders[ring * order_count..][..order_count];
-                ring_analysis::<T, V>(table, scratch.values, scratch.folded, orders);
+                ring_analysis::<T, V>(size, table, scratch.values, scratch.folded, orders);
             }
             Target::Integrals(_) => {
                 let mut sum = scratch.values[0];
@@ -285,75 +321,132 @@ pub fn legendre_analysis<T: Real, V: Lanes<T>, const R: usize>(
 
 /// Orders of a ring → its values; `SET` them, or multiply them into what is there.
 #[inline(always)]
-fn ring_synthesis<T: Real, V: Lanes<T>, const SET: bool>(table: &Table<T>, orders: &[V], values: &mut [V]) {
+fn ring_synthesis<T: Real, V: Lanes<T>, const SET: bool>(
+    size: Size,
+    table: &Table<T>,
+    orders: &[V],
+    mut values: &mut [V],
+) {
     let mut trigonometry = table.synthesis.as_slice();
-    let mut values = values;
-    for &width in &table.point_tiles {
-        let (constants, rest) = trigonometry.split_at(2 * width * (table.size.bands - 1));
+    let [fours, twos, odds] = size.orders();
+    for &width in &table.pair_tiles {
+        let (constants, rest) = trigonometry.split_at(2 * width * (fours + twos + 2 * odds));
         trigonometry = rest;
-        let (points, rest) = values.split_at_mut(4 * width);
+        let (points, rest) = values.split_at_mut(8 * width);
         values = rest;
         match width {
-            1 => point_tile::<T, V, SET, 1>(table, constants, orders, points),
-            2 => point_tile::<T, V, SET, 2>(table, constants, orders, points),
-            3 => point_tile::<T, V, SET, 3>(table, constants, orders, points),
-            4 => point_tile::<T, V, SET, 4>(table, constants, orders, points),
-            5 => point_tile::<T, V, SET, 5>(table, constants, orders, points),
-            _ => point_tile::<T, V, SET, WAVE_TILE>(table, constants, orders, points),
+            1 => pair_tile::<T, V, SET, 1>(size, constants, orders, points),
+            2 => pair_tile::<T, V, SET, 2>(size, constants, orders, points),
+            _ => pair_tile::<T, V, SET, PAIR_TILE>(size, constants, orders, points),
         }
+    }
+    if size.quarter % 2 == 1 {
+        middle_point::<T, V, SET>(size, trigonometry, orders, values);
     }
 }
 
+/// Points φ and π/2 − φ: their sums over even orders differ in signs alone.
 #[inline(always)]
-fn point_tile<T: Real, V: Lanes<T>, const SET: bool, const B: usize>(
-    table: &Table<T>,
+fn pair_tile<T: Real, V: Lanes<T>, const SET: bool, const B: usize>(
+    size: Size,
     constants: &[T],
     orders: &[V],
     points: &mut [V],
 ) {
-    let even_count = table.size.even_orders() - 1;
-    let (even_rows, odd_rows) = constants.split_at(2 * B * even_count);
-    let (even, odd) = orders[1..].split_at(2 * even_count);
-    let (even_cos, even_sin) = trigonometric_sums::<T, V, B>(even_rows, even, orders[0]);
-    let (odd_cos, odd_sin) = trigonometric_sums::<T, V, B>(odd_rows, odd, V::splat(T::ZERO));
-    for (b, to) in points.chunks_exact_mut(4).enumerate() {
-        let (even_sum, even_difference) = (even_cos[b] + even_sin[b], even_cos[b] - even_sin[b]);
-        let (odd_sum, odd_difference) = (odd_cos[b] + odd_sin[b], odd_cos[b] - odd_sin[b]);
-        let new = [
-            even_sum + odd_sum,
-            even_difference + odd_difference,
-            even_difference - odd_difference,
-            even_sum - odd_sum,
-        ];
-        for (to, new) in to.iter_mut().zip(new) {
-            *to = if SET { new } else { *to * new };
+    let [fours, twos, _] = size.orders();
+    let (four_rows, rest) = constants.split_at(2 * B * fours);
+    let (two_rows, odd_rows) = rest.split_at(2 * B * twos);
+    let (four, rest) = orders[1..].split_at(2 * fours);
+    let (two, odd) = rest.split_at(2 * twos);
+    let zero = V::splat(T::ZERO);
+    let (four_cos, four_sin) = trigonometric_sums::<T, V, B>(four_rows, four, orders[0]);
+    let (two_cos, two_sin) = trigonometric_sums::<T, V, B>(two_rows, two, zero);
+    let (mut cosines, mut sines) = ([[zero; B]; 2], [[zero; B]; 2]);
+    for (row, pair) in odd_rows.chunks_exact(4 * B).zip(odd.chunks_exact(2)) {
+        for b in 0..B {
+            cosines[0][b] = V::splat(row[b]).mul_add(pair[0], cosines[0][b]);
+            cosines[1][b] = V::splat(row[B + b]).mul_add(pair[0], cosines[1][b]);
+            sines[0][b] = V::splat(row[2 * B + b]).mul_add(pair[1], sines[0][b]);
+            sines[1][b] = V::splat(row[3 * B + b]).mul_add(pair[1], sines[1][b]);
         }
+    }
+    for (b, to) in points.chunks_exact_mut(8).enumerate() {
+        let (at, mirrored) = to.split_at_mut(4);
+        let even = [four_cos[b] + two_cos[b], four_sin[b] + two_sin[b]];
+        four_points::<T, V, SET>(even, [cosines[0][b], sines[0][b]], at);
+        let even = [four_cos[b] - two_cos[b], two_sin[b] - four_sin[b]];
+        four_points::<T, V, SET>(even, [cosines[1][b], sines[1][b]], mirrored);
+    }
+}
+
+/// The point π/4.
+#[inline(always)]
+fn middle_point<T: Real, V: Lanes<T>, const SET: bool>(
+    size: Size,
+    constants: &[T],
+    orders: &[V],
+    point: &mut [V],
+) {
+    let [fours, twos, _] = size.orders();
+    let (even_rows, odd_rows) = constants.split_at(2 * (fours + twos));
+    let (even, odd) = orders[1..].split_at(2 * (fours + twos));
+    let (even_cos, even_sin) = trigonometric_sums::<T, V, 1>(even_rows, even, orders[0]);
+    let (odd_cos, odd_sin) = trigonometric_sums::<T, V, 1>(odd_rows, odd, V::splat(T::ZERO));
+    four_points::<T, V, SET>([even_cos[0], even_sin[0]], [odd_cos[0], odd_sin[0]], point);
+}
+
+/// Sums of cosines and of sines over even and over odd orders at φ → values at φ, −φ, π − φ, π + φ.
+#[inline(always)]
+fn four_points<T: Real, V: Lanes<T>, const SET: bool>(even: [V; 2], odd: [V; 2], to: &mut [V]) {
+    let (even_sum, even_difference) = (even[0] + even[1], even[0] - even[1]);
+    let (odd_sum, odd_difference) = (odd[0] + odd[1], odd[0] - odd[1]);
+    let new = [
+        even_sum + odd_sum,
+        even_difference + odd_difference,
+        even_difference - odd_difference,
+        even_sum - odd_sum,
+    ];
+    for (to, new) in to.iter_mut().zip(new) {
+        *to = if SET { new } else { *to * new };
     }
 }
 
 /// Values of a ring → its orders (not yet weighted).
 #[inline(always)]
-fn ring_analysis<T: Real, V: Lanes<T>>(table: &Table<T>, values: &[V], folded: &mut [V], orders: &mut [V]) {
-    let quarter = table.size.quarter;
-    let (even_pairs, odd_pairs) = folded.split_at_mut(2 * quarter);
+fn ring_analysis<T: Real, V: Lanes<T>>(
+    size: Size,
+    table: &Table<T>,
+    values: &[V],
+    folded: &mut [V],
+    orders: &mut [V],
+) {
+    let half = size.quarter.div_ceil(2);
+    let (four_pairs, rest) = folded.split_at_mut(2 * half);
+    let (two_pairs, rest) = rest.split_at_mut(2 * half);
+    let odd_pairs = &mut rest[..2 * size.quarter];
     let mut mean = V::splat(T::ZERO);
-    let folds = even_pairs.chunks_exact_mut(2).zip(odd_pairs.chunks_exact_mut(2));
-    for (v, (even, odd)) in values.chunks_exact(4).zip(folds) {
-        let (sum, difference) = (v[0] + v[1], v[0] - v[1]);
-        let (far_sum, far_difference) = (v[2] + v[3], v[3] - v[2]);
-        (even[0], even[1]) = (sum + far_sum, difference + far_difference);
-        (odd[0], odd[1]) = (sum - far_sum, difference - far_difference);
-        mean = mean + even[0];
+    let evens = four_pairs.chunks_exact_mut(2).zip(two_pairs.chunks_exact_mut(2));
+    for ((v, (four, two)), odd) in values.chunks(8).zip(evens).zip(odd_pairs.chunks_mut(4)) {
+        let even = fold::<T, V>(&v[..4], &mut odd[..2]);
+        if v.len() == 8 {
+            let mirrored = fold::<T, V>(&v[4..], &mut odd[2..]);
+            (four[0], four[1]) = (even[0] + mirrored[0], even[1] - mirrored[1]);
+            (two[0], two[1]) = (even[0] - mirrored[0], even[1] + mirrored[1]);
+        } else {
+            (four[0], four[1]) = (even[0], even[1]);
+            (two[0], two[1]) = (even[0], even[1]);
+        }
+        mean = mean + four[0];
     }
     orders[0] = mean;
-    let even_count = table.size.even_orders() - 1;
-    let (even_orders, odd_orders) = orders[1..].split_at_mut(2 * even_count);
+    let counts = size.orders();
+    let (four_orders, rest) = orders[1..].split_at_mut(2 * counts[0]);
+    let (two_orders, odd_orders) = rest.split_at_mut(2 * counts[1]);
     let mut constants = table.analysis.as_slice();
-    let even = (&*even_pairs, even_orders, &table.even_tiles);
-    let odd = (&*odd_pairs, odd_orders, &table.odd_tiles);
-    for (pairs, mut to, tiles) in [even, odd] {
+    let sums = [(&*four_pairs, four_orders), (&*two_pairs, two_orders), (&*odd_pairs, odd_orders)];
+    for ((pairs, mut to), tiles) in sums.into_iter().zip(&table.order_tiles) {
         for &width in tiles {
-            let (rows, rest) = constants.split_at(2 * width * quarter);
+            let (rows, rest) = constants.split_at(width * pairs.len());
             constants = rest;
             let (out, rest) = to.split_at_mut(2 * width);
             to = rest;
@@ -367,6 +460,15 @@ fn ring_analysis<T: Real, V: Lanes<T>>(table: &Table<T>, values: &[V], folded: &
             }
         }
     }
+}
+
+/// Values at φ, −φ, π − φ, π + φ → what multiplies cosines and sines of even orders at φ, and, in `odd`, of odd orders.
+#[inline(always)]
+fn fold<T: Real, V: Lanes<T>>(v: &[V], odd: &mut [V]) -> [V; 2] {
+    let (sum, difference) = (v[0] + v[1], v[0] - v[1]);
+    let (far_sum, far_difference) = (v[2] + v[3], v[3] - v[2]);
+    (odd[0], odd[1]) = (sum - far_sum, difference - far_difference);
+    [sum + far_sum, difference + far_difference]
 }
 
 #[inline(always)]

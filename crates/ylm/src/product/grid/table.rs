@@ -11,8 +11,11 @@ use crate::quadrature::gauss_legendre;
 /// latency of one, and the orders of 8 rings stay in the first cache.
 pub const RING_TILE: usize = 4;
 
-/// The most points or orders side by side: 6 pairs of sums and what they are made of just fit 16 registers.
+/// The most orders side by side: 6 pairs of sums and what they are made of just fit 16 registers.
 pub const WAVE_TILE: usize = 6;
+
+/// The most pairs of mirrored points side by side: 12 sums.
+pub const PAIR_TILE: usize = 3;
 
 /// Cuts `total` into runs of at most `most`, as equal as can be.
 fn tiles(total: usize, most: usize) -> impl Iterator<Item = Range<usize>> {
@@ -48,21 +51,24 @@ impl Size {
         2 * self.bands - 1
     }
 
-    /// Even orders, 0 counted: m = 0, 2, …
-    pub fn even_orders(self) -> usize {
-        self.bands.div_ceil(2)
+    /// How many orders m = 4, 8, …, how many m = 2, 6, …, and how many odd ones there are.
+    #[inline(always)]
+    pub fn orders(self) -> [usize; 3] {
+        [(self.bands - 1) / 4, (self.bands + 1) / 4, self.bands / 2]
     }
 }
 
-/// Where order `m` stands among the coefficients of a ring: even orders first, each cosine (m) before its sine (−m).
+/// Where order `m` stands among the coefficients of a ring: 0, then 4, 8, …, then 2, 6, …, then odd orders, each cosine (m) before its
+/// sine (−m).
+#[inline(always)]
 pub fn order_slot(bands: usize, m: isize) -> usize {
     let order = m.unsigned_abs();
-    let sine = usize::from(m < 0);
-    match (order, order % 2) {
-        (0, _) => 0,
-        (_, 0) => order - 1 + sine,
-        _ => 2 * bands.div_ceil(2) - 1 + (order - 1) + sine,
-    }
+    let before = match order % 4 {
+        0 => (order / 4).wrapping_sub(1),
+        2 => (bands - 1) / 4 + order / 4,
+        _ => (bands - 1) / 2 + order / 2,
+    };
+    if order == 0 { 0 } else { 1 + 2 * before + usize::from(m < 0) }
 }
 
 /// All constants of a grid, in the order in which the kernels read them.
@@ -72,17 +78,19 @@ pub struct Table<T> {
     pub legendre: Vec<T>,
     /// The same times the weight of a point: ring weight · 2π / P.
     pub weighted: Vec<T>,
-    /// For each tile of quarter points: for m = 2, 4, …, then for m = 1, 3, …, a row of cosines and a row of sines.
+    /// For each tile of pairs of points φ, π/2 − φ: for m = 4, 8, …, then for m = 2, 6, …, a row of cosines and a row of sines at φ; then for
+    /// odd m a row of cosines, of cosines at π/2 − φ, of sines, of sines at π/2 − φ. The point π/4, if there is one, is a last tile of one
+    /// that is its own mirror.
     pub synthesis: Vec<T>,
-    /// For each tile of m = 2, 4, …, then of m = 1, 3, …: for each quarter point a row of cosines and a row of sines.
+    /// For each tile of m = 4, 8, …, then of m = 2, 6, …: for each φ ≤ π/4 a row of cosines and a row of sines; then for each tile of odd m,
+    /// for each quarter point.
     pub analysis: Vec<T>,
     /// The weight of every point, ring by ring of the northern hemisphere.
     pub ring_weights: Vec<T>,
-    /// Widths of the tiles of rings, of quarter points, of even orders from 2 on, and of odd orders.
+    /// Widths of the tiles of rings, of pairs of points, and of the three kinds of orders.
     pub ring_tiles: Vec<usize>,
-    pub point_tiles: Vec<usize>,
-    pub even_tiles: Vec<usize>,
-    pub odd_tiles: Vec<usize>,
+    pub pair_tiles: Vec<usize>,
+    pub order_tiles: [Vec<usize>; 3],
     /// Where coefficient i stands among the gathered ones: order by order, l upwards.
     pub coeff_slots: Vec<u32>,
 }
@@ -115,21 +123,39 @@ impl<T: Real> Table<T> {
                 .map(|(ring, j)| T::from_f64(value(ring, j)))
                 .collect()
         };
+        // Quarter points in the order of their values: φ, π/2 − φ, the next two, …, π/4 last.
         let angle = |point: usize| (point as f64 + 0.5) * PI / (2 * size.quarter) as f64;
-        let (even, odd): (Vec<_>, Vec<_>) = ((2..n).step_by(2).collect(), (1..n).step_by(2).collect());
+        let pair_count = size.quarter / 2;
+        let mirrored = |point: usize| angle(size.quarter - 1 - point);
+        let middle = (size.quarter % 2 == 1).then(|| pair_count..pair_count + 1);
+        let orders =
+            [4, 2, 1].map(|first| (first..n).step_by(if first == 1 { 2 } else { 4 }).collect::<Vec<_>>());
+        let wave = |m: usize, angle: f64, function: fn(f64) -> f64| T::from_f64(function(m as f64 * angle));
         let mut synthesis = Vec::new();
-        for tile in tiles(size.quarter, WAVE_TILE) {
-            for &m in even.iter().chain(&odd) {
-                synthesis.extend(tile.clone().map(|p| T::from_f64((m as f64 * angle(p)).cos())));
-                synthesis.extend(tile.clone().map(|p| T::from_f64((m as f64 * angle(p)).sin())));
+        for tile in tiles(pair_count, PAIR_TILE).chain(middle.clone()) {
+            for &m in orders[0].iter().chain(&orders[1]) {
+                synthesis.extend(tile.clone().map(|p| wave(m, angle(p), f64::cos)));
+                synthesis.extend(tile.clone().map(|p| wave(m, angle(p), f64::sin)));
+            }
+            for &m in &orders[2] {
+                for function in [f64::cos, f64::sin] {
+                    synthesis.extend(tile.clone().map(|p| wave(m, angle(p), function)));
+                    if Some(&tile) != middle.as_ref() {
+                        synthesis.extend(tile.clone().map(|p| wave(m, mirrored(p), function)));
+                    }
+                }
             }
         }
+        let in_order =
+            |place: usize| if place.is_multiple_of(2) { angle(place / 2) } else { mirrored(place / 2) };
+        let half_angles: Vec<f64> = (0..size.quarter.div_ceil(2)).map(angle).collect();
+        let all_angles: Vec<f64> = (0..size.quarter).map(in_order).collect();
         let mut analysis = Vec::new();
-        for orders in [&even, &odd] {
+        for (orders, angles) in orders.iter().zip([&half_angles, &half_angles, &all_angles]) {
             for tile in tiles(orders.len(), WAVE_TILE) {
-                for p in 0..size.quarter {
-                    analysis.extend(tile.clone().map(|i| T::from_f64((orders[i] as f64 * angle(p)).cos())));
-                    analysis.extend(tile.clone().map(|i| T::from_f64((orders[i] as f64 * angle(p)).sin())));
+                for &at in angles {
+                    analysis.extend(tile.clone().map(|i| wave(orders[i], at, f64::cos)));
+                    analysis.extend(tile.clone().map(|i| wave(orders[i], at, f64::sin)));
                 }
             }
         }
@@ -141,9 +167,8 @@ impl<T: Real> Table<T> {
             analysis,
             ring_weights: (0..size.half_rings).map(|ring| T::from_f64(point_weight(ring))).collect(),
             ring_tiles: tiles(size.half_rings, RING_TILE).map(|tile| tile.len()).collect(),
-            point_tiles: tiles(size.quarter, WAVE_TILE).map(|tile| tile.len()).collect(),
-            even_tiles: tiles(even.len(), WAVE_TILE).map(|tile| tile.len()).collect(),
-            odd_tiles: tiles(odd.len(), WAVE_TILE).map(|tile| tile.len()).collect(),
+            pair_tiles: tiles(pair_count, PAIR_TILE).map(|tile| tile.len()).collect(),
+            order_tiles: orders.map(|orders| tiles(orders.len(), WAVE_TILE).map(|tile| tile.len()).collect()),
             coeff_slots: coeff_slots(n),
         }
     }

@@ -1,7 +1,6 @@
-use proptest::prelude::*;
-
 use super::*;
-use crate::product::oracle::{Dense, error_of_norm, random, relative_error};
+use crate::product::cache::tests::same_from_every_thread;
+use crate::product::oracle::{Dense, random, relative_error};
 
 /// Row by row against the dense quadrature; every level; the batch as one call.
 fn check<T: Real>(n: usize, factor_count: usize, row_count: usize, seed: u64, tolerance: f64) {
@@ -21,19 +20,11 @@ fn check<T: Real>(n: usize, factor_count: usize, row_count: usize, seed: u64, to
             let range = row * coeff_count..(row + 1) * coeff_count;
             let of_row: Vec<_> = factors.iter().map(|f| &f[range.clone()]).collect();
             let expected = dense.product(&of_row);
-            // A few bands of many factors may happen to be next to nothing of the product.
-            let error = match seed {
-                FIXED..=LAST_FIXED => relative_error(&out[range], &expected),
-                _ => error_of_norm(&out[range], &expected, dense.norm(&of_row)),
-            };
+            let error = relative_error(&out[range], &expected);
             assert!(error <= tolerance, "{} n {n} factors {factor_count} row {row}: {error:e}", level.name());
         }
     }
 }
-
-/// Seeds whose errors are taken of the n bands of the result alone.
-const FIXED: u64 = 0;
-const LAST_FIXED: u64 = 9;
 
 // Tolerances: targets of the crate; measured worst over these cases 5e-7 and 1e-15.
 const F32: f64 = 1e-6;
@@ -43,7 +34,8 @@ const F64: f64 = 1e-13;
 fn grid_equals_dense_quadrature() {
     for n in [1, 2, 3, 4, 5, 6, 7, 8, 9, 13, 16, 21, 32] {
         for factor_count in [1, 2, 3, 5, 7] {
-            if n < 32 || factor_count != 5 {
+            // The dense rule for more takes seconds and a quarter of a gigabyte: Fourier space judges there (product::tests).
+            if n * factor_count <= 150 {
                 check::<f32>(n, factor_count, 3, 1, F32);
                 check::<f64>(n, factor_count, 3, 2, F64);
             }
@@ -52,26 +44,9 @@ fn grid_equals_dense_quadrature() {
 }
 
 #[test]
-fn batches_of_any_size_have_right_tails() {
-    for row_count in [0, 1, 2, 7, 8, 9, 15, 16, 17, 31, 33, 1000] {
-        check::<f32>(5, 2, row_count, 3, F32);
-        check::<f64>(6, 3, row_count, 4, F64);
-    }
-}
-
-#[test]
 fn more_bands_than_anyone_publishes_still_work() {
     check::<f32>(64, 2, 1, 5, F32);
     check::<f64>(64, 2, 1, 6, F64);
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
-    #[test]
-    fn random_sizes_equal_dense_quadrature(n in 1usize..14, factors in 1usize..8, rows in 0usize..40, seed: u32) {
-        check::<f32>(n, factors, rows, 10 + u64::from(seed), F32);
-        check::<f64>(n, factors, rows, 10 + u64::from(seed), F64);
-    }
 }
 
 #[test]
@@ -156,39 +131,6 @@ fn channels_shared_factors_and_kept_values_give_what_full_rows_give() {
 }
 
 #[test]
-fn adversarial_rows_stay_exact_or_honest_and_never_touch_their_neighbours() {
-    let (n, rows) = (9, 37);
-    let c = n * n;
-    let dense = Dense::new(n, 3 * (n - 1));
-    let mut a: Vec<f32> = random(rows * c, 7);
-    let b: Vec<f32> = random(rows * c, 8);
-    // One coefficient, zeros, huge, tiny; NaN and overflow among them.
-    a[c..2 * c].fill(0.0);
-    a[c + 40] = 1.0;
-    a[2 * c..3 * c].fill(0.0);
-    a[3 * c..4 * c].iter_mut().for_each(|x| *x *= 1e30);
-    a[4 * c..5 * c].iter_mut().for_each(|x| *x *= 1e-30);
-    a[5 * c + 3] = f32::NAN;
-    a[6 * c + 3] = f32::INFINITY;
-    a[7 * c..8 * c].fill(3e38);
-    let (poisoned, finite) = ([5, 6, 7], |row: &usize| ![5, 6, 7].contains(row));
-    for level in Level::available() {
-        let grid = Grid::new(Bands::new(n).unwrap(), 2).unwrap().with_level(level);
-        let mut out = vec![0.0; rows * c];
-        grid.product(&[Factor::Rows(&a), Factor::Rows(&b)], 1, &mut out, &mut Workspace::new()).unwrap();
-        for row in (0..rows).filter(finite) {
-            let range = row * c..(row + 1) * c;
-            let expected = dense.product(&[&a[range.clone()], &b[range.clone()]]);
-            let error = relative_error(&out[range], &expected);
-            assert!(error <= F32, "{} row {row}: {error:e}", level.name());
-        }
-        for row in poisoned {
-            assert!(out[row * c..(row + 1) * c].iter().any(|x| !x.is_finite()), "{} row {row}", level.name());
-        }
-    }
-}
-
-#[test]
 fn what_is_outside_the_range_is_an_error_that_names_it() {
     let bands = |n| Bands::new(n).unwrap();
     assert_eq!(
@@ -215,10 +157,5 @@ fn tables_to_20_bands_stay_small_and_are_shared_between_threads() {
     let bytes: usize = (2..=7).flat_map(|count| grids(count).map(|grid| grid.size_bytes())).sum();
     // Triple to 8-multiple together; the bound is 16 MB.
     assert!(bytes < 8 << 20, "{bytes} bytes");
-    let tables: Vec<_> = std::thread::scope(|scope| {
-        let build = || Grid::<f64>::new(Bands::new(19).unwrap(), 3).unwrap().table;
-        let threads: Vec<_> = (0..4).map(|_| scope.spawn(build)).collect();
-        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
-    });
-    assert!(tables.iter().all(|table| Arc::ptr_eq(table, &tables[0])));
+    assert!(same_from_every_thread(|| Grid::<f64>::new(Bands::new(19).unwrap(), 3).unwrap().table));
 }
