@@ -12,7 +12,8 @@ use crate::shade::diffuse::reflected;
 /// Irradiance of open surfaces as a linear function of the normal: E(n) = a + b · n a channel.
 ///
 /// The first two bands of a light through the clamped cosine, in closed form: what is left of the light are its mean and its main
-/// direction. Error: bench `cheap-forms`; the irradiance may be negative away from a strong light.
+/// direction. Error: 5 to 28 % of open surfaces' radiance, least under skies (bench `cheap-forms`); the irradiance may be negative
+/// away from a strong light.
 ///
 /// [Green03] "SH Lighting Diffuse Surfaces", with 4 coefficients; [Ramamoorthi & Hanrahan 2001] for the factors π and 2π/3.
 #[derive(Clone, Copy, Debug, PartialEq)]
