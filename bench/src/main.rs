@@ -6,6 +6,7 @@ use std::process::ExitCode;
 mod bake;
 mod bake_error;
 mod basis;
+mod bounce_error;
 mod cheap_forms;
 #[path = "../../testdata/data.rs"]
 mod data;
@@ -45,6 +46,7 @@ const BENCHES: &[Bench] = &[
     ("bake", bake::run),
     ("bake-memory", bake::run_memory),
     ("bake-error", bake_error::run),
+    ("bounce-error", bounce_error::run),
     ("basis", basis::run),
     ("cheap-forms", cheap_forms::run),
     ("local-light", local_light::run),

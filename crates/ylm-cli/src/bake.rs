@@ -10,7 +10,8 @@ use ylm_prt::file::check_destination;
 use ylm_prt::format::{Checkpoint, Existing, write_baked};
 use ylm_prt::scene::{Blockers, Bvh, LightingPoints};
 use ylm_prt::transfer::{
-    BakeRecord, BakeSettings, Baked, Journal, Precision, TransferKind, bake_with_journal,
+    BakeRecord, BakeSettings, Baked, BounceEnd, Bounces, Journal, KeptBounces, Precision, TransferKind,
+    bake_with_journal,
 };
 
 use crate::interrupt;
@@ -38,6 +39,18 @@ pub struct Arguments {
     /// What light transport to bake
     #[arg(long, value_enum, default_value_t = Transfer::Shadowed)]
     transfer: Transfer,
+    /// How often light bounces with --transfer interreflected (default: until it fades, see --bounce-threshold)
+    #[arg(long, value_parser = clap::value_parser!(u32).range(0..=i64::from(Bounces::MAX_COUNT)), value_name = "B", conflicts_with = "bounce_threshold")]
+    bounces: Option<u32>,
+    /// Bounces end after the first whose energy, under white light, is below this share of that of direct light (default: 0.001)
+    #[arg(long, value_parser = options::fraction, value_name = "E")]
+    bounce_threshold: Option<f32>,
+    /// Store each bounce by itself, to look at; the file grows with their number
+    #[arg(long)]
+    keep_bounces: bool,
+    /// Gigabytes for the hits remembered between bounces; what does not fit is traced again, to the same result (default: 4)
+    #[arg(long, value_parser = options::positive, value_name = "GB")]
+    bounce_memory: Option<f32>,
     /// Rays a point (default: by quality)
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 20), value_name = "S", conflicts_with = "quality")]
     rays: Option<u32>,
@@ -78,6 +91,8 @@ enum Transfer {
     Unshadowed,
     /// Cosine times visibility
     Shadowed,
+    /// With light that the models reflect onto each other, and their own
+    Interreflected,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -98,6 +113,18 @@ impl Quality {
 }
 
 impl Arguments {
+    fn bounces(&self) -> Bounces {
+        let default = Bounces::default();
+        let end = match (self.bounces, self.bounce_threshold) {
+            (Some(count), _) => BounceEnd::Count(count),
+            (None, Some(threshold)) => BounceEnd::Energy(threshold),
+            (None, None) => default.end,
+        };
+        let kept = if self.keep_bounces { KeptBounces::Each } else { KeptBounces::Sum };
+        let memory = self.bounce_memory.map(|gigabytes| (f64::from(gigabytes) * 1e9) as usize);
+        Bounces { end, kept, memory_bytes: memory.unwrap_or(default.memory_bytes) }
+    }
+
     /// What no single option shows to be wrong usage.
     ///
     /// # Errors
@@ -109,6 +136,17 @@ impl Arguments {
         }
         if !casts_rays && self.t_max.is_some() {
             return Err("--tmax ends rays, and --transfer unshadowed casts none".to_owned());
+        }
+        let has_bounces = self.bounces.is_some()
+            || self.bounce_threshold.is_some()
+            || self.keep_bounces
+            || self.bounce_memory.is_some();
+        if has_bounces && !matches!(self.transfer, Transfer::Interreflected) {
+            return Err(
+                "--bounces, --bounce-threshold, --keep-bounces and --bounce-memory are for --transfer \
+                        interreflected"
+                    .to_owned(),
+            );
         }
         Ok(())
     }
@@ -131,6 +169,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     let kind = match arguments.transfer {
         Transfer::Unshadowed => TransferKind::Unshadowed,
         Transfer::Shadowed => TransferKind::Shadowed,
+        Transfer::Interreflected => TransferKind::Interreflected,
     };
     let settings = BakeSettings {
         bands: arguments.bands,
@@ -139,7 +178,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         seed: arguments.seed,
         bias: arguments.bias,
         t_max: arguments.t_max.unwrap_or(f32::INFINITY),
-        ..BakeSettings::default()
+        bounces: arguments.bounces(),
     };
     let checkpoint = open_checkpoint(arguments, &source.points, &blockers.meshes, &settings, output)?;
     let bvh = Bvh::of_scene(&source.points, &blockers.meshes);
@@ -167,6 +206,17 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     if let Err(error) = write_baked(&arguments.output, &baked) {
         return Err(leave(checkpoint, error));
     }
+    let energies = baked.transfer.bounced.as_ref().map(|bounced| bounced.energies.as_slice());
+    if let (Some(threshold), Some([.., last])) = (baked.record.bounce_threshold, energies)
+        && energies.is_some_and(|energies| energies.len() == Bounces::MAX_COUNT as usize)
+    {
+        output.warn(&format!(
+            "after {} bounces the energy is still {:.2e} of that of direct light, above {threshold}: the scene keeps \
+             almost all of its light",
+            Bounces::MAX_COUNT,
+            last.iter().fold(0.0f32, |most, &share| most.max(share))
+        ));
+    }
     let width = settings.bands.coeff_count();
     let resumed = checkpoint.as_ref().map_or(0, |checkpoint| checkpoint.kept_value_count(0) / width);
     if let Some(checkpoint) = checkpoint {
@@ -176,8 +226,9 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     let (bands, seconds) = (settings.bands.count(), start.elapsed().as_secs_f64());
     let rate = ray_count as f64 / bake_seconds / 1e6;
     let rays = if ray_count == 0 { String::new() } else { format!(", {rate:.1} Mrays/s") };
+    let bounces = energies.map_or(String::new(), |energies| format!(" of {} bounces", energies.len()));
     let text = format!(
-        "{}: {point_count} points, {triangle_count} triangles, {bands} bands, {} transfer; {seconds:.1} s{rays}\n",
+        "{}: {point_count} points, {triangle_count} triangles, {bands} bands, {} transfer{bounces}; {seconds:.1} s{rays}\n",
         arguments.output.display(),
         kind.name(),
     );
@@ -186,7 +237,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         "transfer": kind.name(), "rays_a_point": baked.record.rays, "rays": ray_count, "seconds": seconds,
         "bake_seconds": bake_seconds, "rays_a_second": ray_count as f64 / bake_seconds, "left_out": source.changes.value(),
         "blocker_triangles": baked.blockers.triangles.len(), "tmax": arguments.t_max, "half": arguments.half,
-        "resumed_points": resumed,
+        "resumed_points": resumed, "bounces": energies.map(<[_]>::len), "bounce_energies": energies,
     });
     output.result(&text, &value);
     Ok(())

@@ -24,7 +24,7 @@ impl BakeProgress {
         } else {
             ProgressBar::hidden()
         };
-        let style = ProgressStyle::with_template("{bar:32} {pos}/{len} points, {msg}, {eta} left")
+        let style = ProgressStyle::with_template("{prefix}{bar:32} {pos}/{len} points, {msg}, {eta} left")
             .expect("the template is well-formed");
         bar.set_style(style);
         Self { bar, rays: AtomicU64::new(0), start: Instant::now() }
@@ -51,6 +51,11 @@ impl Progress for BakeProgress {
         let rays = self.rays.fetch_add(rays, Ordering::Relaxed) + rays;
         self.bar.set_message(format!("{:.1} Mrays/s", rays as f64 / self.seconds() / 1e6));
         self.bar.inc(points as u64);
+    }
+
+    fn begin_bounce(&self, bounce: u32) {
+        self.bar.set_position(0);
+        self.bar.set_prefix(if bounce == 0 { "emission: ".to_owned() } else { format!("bounce {bounce}: ") });
     }
 
     fn is_cancelled(&self) -> bool {

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 use ylm_prt::error::Result;
 use ylm_prt::light::{Light, LightCoeffs};
-use ylm_prt::reference::{Irradiance, Occlusion, Settings, irradiance};
+use ylm_prt::reference::{Irradiance, Occlusion, Settings, bounced_irradiance, irradiance};
 use ylm_prt::scene::{Bvh, LightingPoints};
 use ylm_prt::shade::{Incident, shade_diffuse, shade_diffuse_under};
 use ylm_prt::transfer::{BakeRecord, Baked, TransferKind};
@@ -53,6 +53,8 @@ pub fn reference(baked: &Baked, drawn: &Bvh, light: &Light, rays: u32) -> Result
 ///
 /// # Errors
 /// As [`reference`].
+///
+/// An interreflected bake is judged by paths of as many bounces.
 pub fn reference_behind(baked: &Baked, occlusion: Occlusion, light: &Light, rays: u32) -> Result<Shaded> {
     let _guard = interrupt::Guard::new();
     let points = &baked.points;
@@ -61,14 +63,22 @@ pub fn reference_behind(baked: &Baked, occlusion: Occlusion, light: &Light, rays
     let settings = Settings { rays, seed: !seed, bias, t_max };
     let all: Vec<u32> = (0..points.positions.len() as u32).collect();
     let goes_on = |_done: usize| !interrupt::is_interrupted();
-    let irradiance = irradiance(points, &all, occlusion, light, &settings, &goes_on)?;
+    let irradiance = match (&baked.transfer.bounced, occlusion) {
+        (Some(bounced), Occlusion::By(bvh)) => {
+            let bounces = bounced.energies.len() as u32;
+            bounced_irradiance(points, &all, bvh, light, bounces, &settings, &goes_on)?
+        }
+        _ => irradiance(points, &all, occlusion, light, &settings, &goes_on)?,
+    };
     Ok(Shaded { noise: Some(irradiance.relative_noise()), radiance: reflect(points, &irradiance) })
 }
 
-/// What a diffuse surface makes of irradiance: ρ/π E.
+/// What a diffuse surface makes of irradiance, ρ/π E, and what it sends out itself.
 fn reflect(points: &LightingPoints, irradiance: &Irradiance) -> Vec<Vec3> {
     let pairs = irradiance.values.iter().zip(&points.albedo);
-    pairs.map(|(&e, &albedo)| e * Vec3::from(albedo) * std::f32::consts::FRAC_1_PI).collect()
+    let reflected = pairs.map(|(&e, &albedo)| e * Vec3::from(albedo) * std::f32::consts::FRAC_1_PI);
+    let emission = points.emission.iter().flatten().map(|&emission| Vec3::from(emission));
+    reflected.zip(emission.chain(std::iter::repeat(Vec3::ZERO))).map(|(a, b)| a + b).collect()
 }
 
 impl Shaded {

@@ -265,3 +265,52 @@ mod interrupted {
         assert_eq!(place.files(), ["cube.obj", "sheet.obj", "sheet.safetensors"]);
     }
 }
+
+#[test]
+fn light_bounces_and_the_reference_agrees() {
+    let place = Place::new();
+    // A sheet above a floor, of a red material in a library, and a lamp.
+    let text = "mtllib m.mtl\nv -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv -1 2 -1\nv 1 2 -1\nv -1 0 -1\n\
+                usemtl floor\nf 4 3 2 1\nusemtl wall\nf 1 2 6 5\n";
+    fs::write(place.path("corner.obj"), text).unwrap();
+    fs::write(
+        place.path("m.mtl"),
+        "newmtl floor\nKd 0.9 0.2 0.1\nnewmtl wall\nKd 0.8 0.8 0.8\nKe 0.1 0.1 0.2\n",
+    )
+    .unwrap();
+    let bake =
+        place.json("bake corner.obj -o corner.safetensors --transfer interreflected --bounces 2 --rays 512");
+    assert_eq!((&bake["transfer"], &bake["bounces"]), (&"interreflected".into(), &2.into()));
+    assert_eq!(bake["bounce_energies"].as_array().unwrap().len(), 2);
+    let info = place.json("info corner.safetensors");
+    assert_eq!((&info["bounces"], &info["emissive"]), (&2.into(), &true.into()));
+    let mesh = place.json("info corner.obj");
+    assert_eq!((&mesh["materials"], &mesh["emissive_triangles"]), (&2.into(), &2.into()));
+    let mean = |shading: &str| {
+        let arguments =
+            format!("render corner.safetensors --light white -o a.png --size 16x16 --shading {shading}");
+        let render = place.json(&arguments);
+        [0, 1, 2].map(|c| render["radiance"]["mean"][c].as_f64().unwrap())
+    };
+    let (shaded, reference) = (mean("diffuse"), mean("reference"));
+    for c in 0..3 {
+        // Six vertices: what interpolation over two triangles leaves.
+        assert!((shaded[c] - reference[c]).abs() <= 0.1 * reference[c], "{shaded:?} {reference:?}");
+    }
+    let each =
+        place.json("bake corner.obj -o each.safetensors --transfer interreflected --keep-bounces --rays 64");
+    let sizes = ["corner", "each"]
+        .map(|name| fs::metadata(place.path(&format!("{name}.safetensors"))).unwrap().len());
+    assert!(each["bounces"].as_u64().unwrap() >= 2 && sizes[1] > sizes[0]);
+    for arguments in [
+        "--bounces 2",
+        "--transfer shadowed --bounce-threshold 0.1",
+        "--transfer interreflected --bounces 2 --bounce-threshold 0.1",
+        "--transfer interreflected --bounces 257",
+        "--transfer interreflected --bounce-threshold 1",
+        "--transfer interreflected --bounce-memory 0",
+        "--keep-bounces",
+    ] {
+        place.failure(&format!("bake corner.obj -o a.safetensors {arguments}"), 2);
+    }
+}

@@ -10,7 +10,7 @@ use ylm_prt::light::probe::LayoutWord;
 use ylm_prt::light::{Light, LightCoeffs, Probe};
 use ylm_prt::scene::{Blockers, Bvh, Camera, LightingPoints, Mesh, ReadOptions, UpAxis, View};
 use ylm_prt::shade::shade_diffuse;
-use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, TransferKind, bake};
+use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, BounceEnd, Bounces, TransferKind, bake};
 
 /// A handful of bands, past the closed forms that everyone knows by heart.
 const N: usize = 5;
@@ -265,4 +265,32 @@ fn sentence_18_environment_images_look_where_their_layouts_say() {
             assert_eq!(probe.radiance(direction), Vec3::ONE);
         }
     }
+}
+
+#[test]
+fn sentence_19_bounced_light_has_the_albedos_on_its_way_and_surfaces_are_black_from_behind() {
+    // A floor that looks up at a ceiling; `ceiling` is which way that looks.
+    let with = |albedos: [f32; 2], ceiling: Vec3| {
+        let square = |y: f32| [(-1, -1), (1, -1), (1, 1), (-1, 1)].map(|(x, z)| vec3(x as f32, y, z as f32));
+        let lit = LightingPoints {
+            positions: [square(0.0), square(0.5)].concat(),
+            normals: [[Vec3::Y; 4], [ceiling; 4]].concat(),
+            albedo: [[[albedos[0]; 3]; 4], [[albedos[1]; 3]; 4]].concat(),
+            triangles: vec![[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]],
+            emission: None,
+        };
+        let bvh = Bvh::build(&lit.positions, &lit.triangles);
+        let bounces = Bounces { end: BounceEnd::Count(1), ..Bounces::default() };
+        let kind = TransferKind::Interreflected;
+        let settings = BakeSettings { bands: bands(), kind, rays: 256, bounces, ..BakeSettings::default() };
+        let mut layers = bake(&lit, &bvh, &settings, &()).unwrap().bounced.unwrap().layers;
+        layers.remove(0)[..3 * bands().coeff_count()].to_vec()
+    };
+    let whole = with([0.5, 1.0], Vec3::NEG_Y);
+    assert!(whole[0] > 0.01, "{}", whole[0]);
+    for (half, whole) in with([0.9, 0.5], Vec3::NEG_Y).iter().zip(&whole) {
+        close(*half, 0.5 * whole);
+    }
+    // Wound downwards still, it is lit where its normals point, and the floor is behind that.
+    assert!(with([0.5, 1.0], Vec3::Y).iter().all(|&value| value == 0.0));
 }

@@ -140,7 +140,7 @@ pub(super) fn at_each(
     estimate: &Estimate,
 ) -> Result<Irradiance> {
     /// Points a thread does before it reports.
-    const CHUNK: usize = 64;
+    const CHUNK: usize = 16;
     if let Some(&index) = at.iter().find(|&&index| index as usize >= points.positions.len()) {
         return Err(Error::Request(format!(
             "point {index} is asked for; there are {}",
@@ -173,12 +173,12 @@ pub(super) fn at_each(
     })
 }
 
-struct Integrator<'a> {
-    points: &'a LightingPoints,
-    occlusion: Occlusion<'a>,
-    radiance: &'a (dyn Fn(Vec3) -> Vec3 + Sync),
-    sampler: Option<&'a dyn DirectionSampler>,
-    settings: &'a Settings,
+pub(super) struct Integrator<'a> {
+    pub points: &'a LightingPoints,
+    pub occlusion: Occlusion<'a>,
+    pub radiance: &'a (dyn Fn(Vec3) -> Vec3 + Sync),
+    pub sampler: Option<&'a dyn DirectionSampler>,
+    pub settings: &'a Settings,
 }
 
 /// A direction above the surface, and what it adds where it is open.
@@ -219,7 +219,7 @@ impl Scratch {
 
 impl Integrator<'_> {
     /// The estimate of one of the two halves.
-    fn half(&self, index: usize, half: u64, scratch: &mut Scratch) -> Vec3 {
+    pub fn half(&self, index: usize, half: u64, scratch: &mut Scratch) -> Vec3 {
         let samples = &mut scratch.samples;
         samples.clear();
         let (position, normal) = (self.points.positions[index], self.points.normals[index]);

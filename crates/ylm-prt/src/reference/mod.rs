@@ -4,6 +4,8 @@
 
 mod irradiance;
 mod near;
+mod paths;
 mod samples;
 
 pub use irradiance::{DirectionSampler, Irradiance, Occlusion, Settings, irradiance, irradiance_of};
+pub use paths::{bounced_irradiance, bounced_irradiance_of};

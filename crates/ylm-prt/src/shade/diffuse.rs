@@ -4,6 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::light::LightCoeffs;
+use crate::shade::bounced::leaving;
 use crate::shade::grey;
 use crate::transfer::Baked;
 
@@ -13,14 +14,15 @@ const LANES: usize = 8;
 /// Points handed to a thread at once: some tens of kilobytes of transfer.
 const CHUNK: usize = 256;
 
-/// The radiance that leaves each lighting point of a diffuse scene: ρ/π · Σ T_i L_i.
+/// The radiance that leaves each lighting point of a diffuse scene: ρ/π · Σ T_i L_i, with what bounced and what it sends
+/// out, where the bake has it.
 ///
 /// Bands that only one side has contribute nothing, as the basis is orthogonal. The result can be negative where the
 /// light's bands ring; it is not clamped here.
 ///
 /// Shapes: one RGB radiance a point. Units: of the light's radiance.
 /// Error: the sum of n² products in f32, ≤ n² · 6e-8 · Σ|T_i L_i|; of a light of one colour that of [`grey::split`] besides.
-/// Cost: 3n² multiply-adds a point, n² where the light has but one colour, which is seen by itself; in parallel, the same
+/// Cost: 3n² multiply-adds a point, and 3n² more for each layer of bounced light; of direct light n² where the light has but one colour, which is seen by itself; in parallel, the same
 /// bytes for any number of threads. Bench `cheap-forms`.
 pub fn shade_diffuse(baked: &Baked, light: &LightCoeffs) -> Vec<Vec3> {
     match grey::split(light) {
@@ -33,17 +35,13 @@ pub fn shade_diffuse(baked: &Baked, light: &LightCoeffs) -> Vec<Vec3> {
 fn shade_by<const N: usize>(baked: &Baked, light: [&[f32]; N], tint: Vec3) -> Vec<Vec3> {
     let width = baked.transfer.bands.coeff_count();
     let mut radiance = vec![Vec3::ZERO; baked.points.positions.len()];
-    radiance
-        .par_chunks_mut(CHUNK)
-        .zip(baked.transfer.vectors.par_chunks(CHUNK * width))
-        .zip(baked.points.albedo.par_chunks(CHUNK))
-        .for_each(|((radiance, vectors), albedo)| {
-            for ((radiance, vector), albedo) in
-                radiance.iter_mut().zip(vectors.chunks_exact(width)).zip(albedo)
-            {
-                *radiance = reflected(irradiance(vector, light) * tint, *albedo);
-            }
-        });
+    let chunks = radiance.par_chunks_mut(CHUNK).zip(baked.transfer.vectors.par_chunks(CHUNK * width));
+    chunks.enumerate().for_each(|(chunk, (radiance, vectors))| {
+        for (k, (radiance, vector)) in radiance.iter_mut().zip(vectors.chunks_exact(width)).enumerate() {
+            let direct = irradiance(vector, light);
+            *radiance = leaving(baked, chunk * CHUNK + k, direct, light, tint);
+        }
+    });
     radiance
 }
 
@@ -59,6 +57,11 @@ pub(super) fn irradiance<const N: usize>(vector: &[f32], light: [&[f32]; N]) -> 
     slices.iter_mut().for_each(|channel| *channel = &channel[..used]);
     let sums = dot_channels(&vector[..used], slices);
     Vec3::from_array(std::array::from_fn(|channel| sums[channel % N]))
+}
+
+/// The dot product of two vectors of one length.
+pub(super) fn dot(vector: &[f32], light: &[f32]) -> f32 {
+    dot_channels(vector, [light])[0]
 }
 
 /// Dot products with the same vector.

@@ -8,7 +8,8 @@ use ylm::Bands;
 
 use crate::error::Result;
 use crate::light::LightCoeffs;
-use crate::shade::diffuse::{irradiance, reflected};
+use crate::shade::bounced::leaving;
+use crate::shade::diffuse::irradiance;
 use crate::shade::grey::{self, GreyLight};
 use crate::transfer::Baked;
 
@@ -94,16 +95,18 @@ pub fn shade_diffuse_under(baked: &Baked, light: &dyn Incident) -> Result<Vec<Ve
             light.write(positions, first..first + radiance.len(), lights)?;
             let lights = lights.chunks_exact(channels * light_width);
             let vectors = baked.transfer.vectors[first * width..].chunks_exact(width);
-            let albedo = &baked.points.albedo[first..];
-            for (((radiance, light), vector), albedo) in
-                radiance.iter_mut().zip(lights).zip(vectors).zip(albedo)
-            {
+            for (k, ((radiance, light), vector)) in radiance.iter_mut().zip(lights).zip(vectors).enumerate() {
                 let channel = |c: usize| &light[c * light_width..][..light_width];
-                let irradiance = match channels {
-                    1 => irradiance(vector, [channel(0)]),
-                    _ => irradiance(vector, [0, 1, 2].map(channel)),
+                *radiance = match channels {
+                    1 => {
+                        let light = [channel(0)];
+                        leaving(baked, first + k, irradiance(vector, light), light, tint)
+                    }
+                    _ => {
+                        let light = [0, 1, 2].map(channel);
+                        leaving(baked, first + k, irradiance(vector, light), light, tint)
+                    }
                 };
-                *radiance = reflected(irradiance * tint, *albedo);
             }
             Ok(())
         },

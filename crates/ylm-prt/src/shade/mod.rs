@@ -7,6 +7,7 @@
 //! | [`shade_linear`] | 2 bands, no shadows, nothing baked | 4 multiply-adds a channel |
 
 mod ball;
+mod bounced;
 mod cage;
 mod diffuse;
 pub mod grey;

@@ -5,11 +5,14 @@
 
 mod baked;
 mod bounced;
+mod interreflected;
 mod journal;
 mod order;
+mod rows;
 mod samples;
 mod settings;
 mod shadowed;
+mod sides;
 mod sum;
 mod unshadowed;
 
@@ -65,6 +68,9 @@ pub trait Progress: Sync {
     /// `points` more are done, with `rays` rays. Called every few milliseconds.
     fn advance(&self, points: usize, rays: u64);
 
+    /// A bounce begins, counted from 1, with all points to be done again; 0 is the light that the scene sends out.
+    fn begin_bounce(&self, _bounce: u32) {}
+
     /// Whether to stop: asked every few milliseconds of each thread's work.
     fn is_cancelled(&self) -> bool;
 }
@@ -83,15 +89,22 @@ impl Progress for () {
 /// The blockers in `bvh` may be another mesh than that of the points, or more. The same input and seed give the same
 /// bytes for any number of threads and on every instruction set.
 ///
+/// Interreflected transfer knows the light that a point receives from the triangles of `points`, which must come first
+/// in `bvh`; blockers are black, and so are triangles from behind, where nothing is known of what reaches them: energy
+/// may be lost there, and is never gained. What a triangle reflects is interpolated between its corners, as in a
+/// picture.
+///
 /// Error: unshadowed, that of [`ylm::zonal::Zonal::rotate_batch`]. Shadowed, unbiased up to O(1/rays); where nothing is
 /// blocked the unshadowed transfer to rounding, where all is blocked 0, elsewhere the error falls like rays^(−3/4)
 /// (tests/transfer.rs).
 /// Cost: about `settings.rays` rays a point, and n² additions for at most half of them; memory for the result, and for
-/// sample sets of at most 1/8 of it or 64 KiB, whichever is more, or one set.
+/// sample sets of at most 1/8 of it or 64 KiB, whichever is more, or one set. Interreflected, 3n² multiply-adds a bounce
+/// for each different point that a point sees, and 9n² numbers a point; the points seen are remembered within
+/// [`Bounces::memory_bytes`].
 ///
 /// # Errors
-/// If memory does not suffice for the result, shadowed transfer is asked for with no rays, or with a bias or a `t_max` that is no length, or
-/// `progress` cancels.
+/// If memory does not suffice for the result, shadowed transfer is asked for with no rays, or with a bias or a `t_max` that is no length, a
+/// threshold of energy is no number, or `progress` cancels.
 pub fn bake(
     points: &LightingPoints,
     bvh: &Bvh,
@@ -124,9 +137,8 @@ pub fn bake_with_journal(
     }
     match settings.kind {
         TransferKind::Unshadowed => unshadowed::bake(points, settings, progress),
-        TransferKind::Shadowed | TransferKind::Interreflected => {
-            shadowed::bake(points, bvh, settings, progress, journal)
-        }
+        TransferKind::Shadowed => shadowed::bake(points, bvh, settings, progress, journal),
+        TransferKind::Interreflected => interreflected::bake(points, bvh, settings, progress, journal),
     }
 }
 

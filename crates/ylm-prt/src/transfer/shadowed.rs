@@ -8,14 +8,15 @@ use ylm::rotate::FrameRotation;
 use ylm::zonal::Zonal;
 
 use super::order::by_morton_code;
+use super::rows::Share;
 use super::samples::{SampleSet, SampleSets, row_width};
 use super::sum::sum_rows;
 use super::{BakeSettings, Journal, Piece, Progress, Transfer};
 use crate::error::{Error, Result};
-use crate::scene::{Bvh, LightingPoints, Vantage};
+use crate::scene::{Bvh, Hit, LightingPoints, Vantage};
 
 /// Points whose vectors are turned to the world together: the lanes of [`FrameRotation`].
-const BATCH: usize = 16;
+pub const BATCH: usize = 16;
 
 /// Rays after which a thread reports, in whole batches: some milliseconds.
 const REPORT_RAYS: usize = 1 << 16;
@@ -33,9 +34,7 @@ pub fn bake(
     journal: &dyn Journal,
 ) -> Result<Transfer> {
     let baker = Baker::new(points, bvh, settings, progress)?;
-    let width = settings.bands.coeff_count();
-    let mut vectors = super::zeros(points.positions.len(), width)?;
-    baker.each_batch(&mut vectors, width, journal, |batch, scratch| baker.project_batch(batch, scratch))?;
+    let vectors = baker.direct(journal, |point, scratch| baker.trace(point, &mut scratch.blocked))?;
     Ok(Transfer { bands: settings.bands, vectors, bounced: None })
 }
 
@@ -53,24 +52,28 @@ pub fn visible_shares(
     let baker = Baker::new(points, bvh, settings, progress)?;
     let mut shares = vec![0.0f32; points.positions.len()];
     baker.each_batch(&mut shares, 1, &(), |batch, scratch| {
-        for (point, share) in batch {
+        for (point, share) in batch.iter_mut() {
             let (set, _) = baker.trace(*point, &mut scratch.blocked)?;
             let rays = set.directions.count();
             share[0] = (rays - count_ones(&scratch.blocked)) as f32 / rays as f32;
         }
-        Ok(())
+        Ok(batch.len())
     })?;
     Ok(shares)
 }
 
-/// Lighting points with the rows of a result that they write.
-type Batch<'a> = [(u32, &'a mut [f32])];
+/// The sample set of a point, and cos and sin of its spin.
+pub type Traced<'a> = (&'a SampleSet, [f32; 2]);
 
-struct Baker<'a> {
-    points: &'a LightingPoints,
-    bvh: &'a Bvh,
-    settings: &'a BakeSettings,
-    progress: &'a dyn Progress,
+/// Lighting points with the rows of a result that they write.
+pub type Batch<'a> = [(u32, &'a mut [f32])];
+
+/// Follows rays from points, and sums what they meet.
+pub struct Baker<'a> {
+    pub points: &'a LightingPoints,
+    pub bvh: &'a Bvh,
+    pub settings: &'a BakeSettings,
+    pub progress: &'a dyn Progress,
     sets: SampleSets,
     unblocked: Zonal<f32>,
     rotation: FrameRotation<f32>,
@@ -78,8 +81,13 @@ struct Baker<'a> {
 
 /// Buffers of a thread.
 #[derive(Default)]
-struct Scratch {
-    blocked: Vec<u64>,
+pub struct Scratch {
+    /// A bit for each ray: whether something is in its way.
+    pub blocked: Vec<u64>,
+    /// What is in the way, where it is asked for.
+    pub hits: Vec<Option<Hit>>,
+    /// The row that comes of it.
+    pub row: Vec<Share>,
     sum: Vec<f32>,
     local: Vec<f32>,
     world: Vec<f32>,
@@ -87,7 +95,11 @@ struct Scratch {
 }
 
 impl<'a> Baker<'a> {
-    fn new(
+    /// Checks what is asked for.
+    ///
+    /// # Errors
+    /// As [`super::bake`].
+    pub fn new(
         points: &'a LightingPoints,
         bvh: &'a Bvh,
         settings: &'a BakeSettings,
@@ -115,14 +127,29 @@ impl<'a> Baker<'a> {
         Ok(Self { points, bvh, settings, progress, sets, unblocked, rotation })
     }
 
+    /// Transfer of direct light, of all points; `trace` finds what a point does not see, as [`Baker::trace`] does.
+    pub fn direct<'b>(
+        &'b self,
+        journal: &dyn Journal,
+        trace: impl Fn(u32, &mut Scratch) -> Result<Traced<'b>> + Sync,
+    ) -> Result<Vec<f32>> {
+        let width = self.settings.bands.coeff_count();
+        let mut vectors = super::zeros(self.points.positions.len(), width)?;
+        self.each_batch(&mut vectors, width, journal, |batch, scratch| {
+            self.project_batch(batch, scratch, &trace)?;
+            Ok(batch.len())
+        })?;
+        Ok(vectors)
+    }
+
     /// Calls `work` with up to [`BATCH`] points at a time, neighbours in space, and their rows of `values`, but for what
-    /// `journal` has already.
-    fn each_batch(
+    /// `journal` has already; `work` answers of how many it traced the rays.
+    pub fn each_batch(
         &self,
         values: &mut [f32],
         width: usize,
         journal: &dyn Journal,
-        work: impl Fn(&mut Batch, &mut Scratch) -> Result<()> + Sync,
+        work: impl Fn(&mut Batch, &mut Scratch) -> Result<usize> + Sync,
     ) -> Result<()> {
         let order = by_morton_code(&self.points.positions);
         let mut rows: Vec<Option<&mut [f32]>> = values.chunks_exact_mut(width).map(Some).collect();
@@ -142,34 +169,48 @@ impl<'a> Baker<'a> {
                 self.progress.advance(chunk.len(), 0);
                 return Ok(());
             }
-            chunk.chunks_mut(BATCH).try_for_each(|batch| work(batch, scratch))?;
+            let traced: usize =
+                chunk.chunks_mut(BATCH).map(|batch| work(batch, scratch)).sum::<Result<_>>()?;
             for ((_, row), kept) in chunk.iter().zip(scratch.kept.chunks_exact_mut(width)) {
                 kept.copy_from_slice(row);
             }
             journal.record(piece, &scratch.kept)?;
-            self.progress.advance(chunk.len(), (chunk.len() * rays) as u64);
+            self.progress.advance(chunk.len(), (traced * rays) as u64);
             Ok(())
         })
     }
 
     /// Sets the bits of what a point does not see of its sample set; returns the set, and cos and sin of its spin.
-    fn trace(&self, point: u32, blocked: &mut Vec<u64>) -> Result<(&SampleSet, [f32; 2])> {
+    pub fn trace(&self, point: u32, blocked: &mut Vec<u64>) -> Result<Traced<'_>> {
+        let (vantage, traced) = self.look(point)?;
+        let (set, spin) = traced;
+        blocked.resize(set.directions.word_count(), 0);
+        self.bvh.blocked(&vantage, &world_from_local(vantage.normal, spin), &set.directions, blocked);
+        Ok(traced)
+    }
+
+    /// Where a point stands, and in which directions it looks.
+    ///
+    /// # Errors
+    /// If the bake is cancelled.
+    pub fn look(&self, point: u32) -> Result<(Vantage, Traced<'_>)> {
         if self.progress.is_cancelled() {
             return Err(Error::Interrupted);
         }
         let (position, normal) = (self.points.positions[point as usize], self.points.normals[point as usize]);
         let (set, spin) = self.sets.choose(self.settings.seed, u64::from(point));
         let (sin, cos) = spin.sin_cos();
-        let spin = [cos as f32, sin as f32];
         let BakeSettings { bias, t_max, .. } = *self.settings;
-        let vantage = Vantage { position, normal, bias, t_max };
-        blocked.resize(set.directions.word_count(), 0);
-        self.bvh.blocked(&vantage, &world_from_local(normal, spin), &set.directions, blocked);
-        Ok((set, spin))
+        Ok((Vantage { position, normal, bias, t_max }, (set, [cos as f32, sin as f32])))
     }
 
     /// Writes the transfer of up to [`BATCH`] points.
-    fn project_batch(&self, batch: &mut Batch, scratch: &mut Scratch) -> Result<()> {
+    fn project_batch<'b>(
+        &'b self,
+        batch: &mut Batch,
+        scratch: &mut Scratch,
+        trace: &impl Fn(u32, &mut Scratch) -> Result<Traced<'b>>,
+    ) -> Result<()> {
         let width = self.settings.bands.coeff_count();
         let count = batch.len();
         let mut normals = [[0.0f32; 3]; BATCH];
@@ -178,7 +219,7 @@ impl<'a> Baker<'a> {
         scratch.local.resize(count * width, 0.0);
         scratch.world.resize(count * width, 0.0);
         for (k, (point, _)) in batch.iter().enumerate() {
-            let (set, spin) = self.trace(*point, &mut scratch.blocked)?;
+            let (set, spin) = trace(*point, scratch)?;
             (normals[k], spins[k]) = (self.points.normals[*point as usize].to_array(), spin);
             let local = &mut scratch.local[k * width..(k + 1) * width];
             self.project(set, &mut scratch.blocked, &mut scratch.sum, local);
@@ -222,7 +263,7 @@ fn count_ones(words: &[u64]) -> usize {
 }
 
 /// The rotation of [`FrameRotation`]: z to the normal, after a spin about z.
-fn world_from_local(normal: Vec3, [cos, sin]: [f32; 2]) -> Mat3 {
+pub fn world_from_local(normal: Vec3, [cos, sin]: [f32; 2]) -> Mat3 {
     let horizontal = normal.x.hypot(normal.y);
     let (cos_azimuth, sin_azimuth) =
         if horizontal > 0.0 { (normal.x / horizontal, normal.y / horizontal) } else { (1.0, 0.0) };

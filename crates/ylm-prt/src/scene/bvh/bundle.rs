@@ -12,7 +12,7 @@ use glam::{Mat3, Vec3};
 use super::lanes::Avx2;
 use super::lanes::{Isa, Lanes, Portable};
 use super::node::{LEAF, Node, STACK, TriangleBlock, WIDTH};
-use super::traverse::{MAX_ORIGIN, MIN_COMPONENT, PAD, inside, sheared};
+use super::traverse::{Candidates, MAX_ORIGIN, MIN_COMPONENT, PAD, inside, sheared};
 use super::{Bvh, Vantage};
 
 /// Rays of a bundle: a bit each.
@@ -41,6 +41,11 @@ impl Directions {
             }
         }
         Self { components, count: directions.len() }
+    }
+
+    /// One of them.
+    pub fn get(&self, index: usize) -> Vec3 {
+        Vec3::from_array(self.components.each_ref().map(|component| component[index]))
     }
 
     /// How many there are.
@@ -90,20 +95,20 @@ unsafe fn blocked_avx512(bvh: &Bvh, start: &Start, frame: &Mat3, set: &Direction
 }
 
 /// Where the rays start, in the coordinates of the nodes.
-struct Start {
-    origin: [f32; 3],
-    vertex: [f32; 3],
-    normal: Vec3,
+pub struct Start {
+    pub origin: [f32; 3],
+    pub vertex: [f32; 3],
+    pub normal: Vec3,
     /// Largest coordinate of origin and scene.
-    reach: f32,
-    t_min: f32,
-    t_max: f32,
+    pub reach: f32,
+    pub t_min: f32,
+    pub t_max: f32,
     /// Boxes end later, by what a hit's distance may be off.
-    box_end: f32,
+    pub box_end: f32,
 }
 
 impl Start {
-    fn new(bvh: &Bvh, vantage: &Vantage) -> Self {
+    pub fn new(bvh: &Bvh, vantage: &Vantage) -> Self {
         let vertex = vantage.position * bvh.scale;
         let offset = vantage.bias * bvh.diagonal;
         let origin = vertex + vantage.normal * offset;
@@ -111,13 +116,20 @@ impl Start {
         let reach = if origin.is_finite() { reach } else { f32::INFINITY };
         let (origin, vertex) = (origin.to_array(), vertex.to_array());
         let t_max = vantage.t_max * bvh.scale;
-        let box_end = t_max + PAD * (reach + t_max);
-        Self { origin, vertex, normal: vantage.normal, reach, t_min: f32::MIN_POSITIVE, t_max, box_end }
+        let t_min = f32::MIN_POSITIVE;
+        let mut start = Self { origin, vertex, normal: vantage.normal, reach, t_min, t_max, box_end: 0.0 };
+        start.box_end = start.box_end(t_max);
+        start
+    }
+
+    /// Where boxes end that may hold a hit before `t`.
+    pub fn box_end(&self, t: f32) -> f32 {
+        t + PAD * (self.reach + t)
     }
 }
 
 /// What the tests need of each ray.
-struct Rays {
+pub struct Rays {
     inverse: [[f32; SIZE]; 3],
     shear: [[f32; SIZE]; 3],
     /// Which axis comes first: the direction is longest along the third from it.
@@ -125,12 +137,12 @@ struct Rays {
 }
 
 impl Rays {
-    const NONE: Self = Self { inverse: [[0.0; SIZE]; 3], shear: [[0.0; SIZE]; 3], first_axis: [0; SIZE] };
+    pub const NONE: Self = Self { inverse: [[0.0; SIZE]; 3], shear: [[0.0; SIZE]; 3], first_axis: [0; SIZE] };
 
     /// Bundle number `bundle` of a set.
     // Loops over arrays without calls or branches: the compiler vectorises them for the instruction set at hand.
     #[inline(always)]
-    fn load(&mut self, frame: &[f32; 9], set: &Directions, bundle: usize) {
+    pub fn load(&mut self, frame: &[f32; 9], set: &Directions, bundle: usize) {
         let range = bundle * SIZE..(bundle + 1) * SIZE;
         let (x, y, z) =
             (&set.components[0][range.clone()], &set.components[1][range.clone()], &set.components[2][range]);
@@ -216,7 +228,8 @@ fn blocked_in<V: Lanes>(bvh: &Bvh, start: &Start, frame: &Mat3, set: &Directions
             }
             // SAFETY: children are indices of nodes, by construction.
             let node = unsafe { bvh.nodes.get_unchecked(child as usize) };
-            let met = meet::<V>(node, start, &rays, active);
+            let box_end = V::splat(start.box_end);
+            let met = meet::<V>(node, start, &rays, active, |_| box_end);
             for c in 0..(node.child_count as usize).min(WIDTH) {
                 // SAFETY: a node leaves seven entries behind at most, and there are no more than MAX_DEPTH above it.
                 unsafe {
@@ -231,9 +244,15 @@ fn blocked_in<V: Lanes>(bvh: &Bvh, start: &Start, frame: &Mat3, set: &Directions
     }
 }
 
-/// For each child the rays that meet its box.
+/// For each child the rays that meet its box before it ends for them.
 #[inline(always)]
-fn meet<V: Lanes>(node: &Node, start: &Start, rays: &Rays, mut active: u64) -> [u64; WIDTH] {
+pub fn meet<V: Lanes>(
+    node: &Node,
+    start: &Start,
+    rays: &Rays,
+    mut active: u64,
+    box_end: impl Fn(usize) -> V,
+) -> [u64; WIDTH] {
     let pad = PAD * start.reach;
     let [x, y, z] = start.origin;
     let low_x = V::load(&node.bounds[0]).sub(V::splat(x + pad));
@@ -242,7 +261,7 @@ fn meet<V: Lanes>(node: &Node, start: &Start, rays: &Rays, mut active: u64) -> [
     let high_x = V::load(&node.bounds[3]).sub(V::splat(x - pad));
     let high_y = V::load(&node.bounds[4]).sub(V::splat(y - pad));
     let high_z = V::load(&node.bounds[5]).sub(V::splat(z - pad));
-    let (zero, box_end) = (V::splat(0.0), V::splat(start.box_end));
+    let zero = V::splat(0.0);
     let mut met = [0u8; SIZE];
     while active != 0 {
         let r = active.trailing_zeros() as usize % SIZE;
@@ -254,7 +273,7 @@ fn meet<V: Lanes>(node: &Node, start: &Start, rays: &Rays, mut active: u64) -> [
         let inverse = V::splat(rays.inverse[2][r]);
         let (z0, z1) = (low_z.mul(inverse), high_z.mul(inverse));
         let begin = x0.min(x1).max(y0.min(y1)).max(z0.min(z1).max(zero));
-        let end = x0.max(x1).min(y0.max(y1)).min(z0.max(z1).min(box_end));
+        let end = x0.max(x1).min(y0.max(y1)).min(z0.max(z1).min(box_end(r)));
         met[r] = begin.le(end) as u8;
     }
     V::transpose(&met)
@@ -264,26 +283,39 @@ fn meet<V: Lanes>(node: &Node, start: &Start, rays: &Rays, mut active: u64) -> [
 #[inline(always)]
 fn hit<V: Lanes>(block: &TriangleBlock, start: &Start, rays: &Rays, mut active: u64) -> u64 {
     let around = around::<V>(block, start.vertex, start.normal);
-    let mut relative = [V::splat(0.0); 9];
-    for row in 0..9 {
-        relative[row] = V::load(&block.corners[row]).sub(V::splat(start.origin[row % 3]));
-    }
+    let relative = relative::<V>(block, start);
     let (t_min, t_max) = (V::splat(start.t_min), V::splat(start.t_max));
     let mut hit = 0;
     while active != 0 {
         let r = active.trailing_zeros() as usize % SIZE;
         active &= active - 1;
-        let (shear_x, shear_y) = (V::splat(rays.shear[0][r]), V::splat(rays.shear[1][r]));
-        let (a, b, c) = match rays.first_axis[r] {
-            0 => corners::<V, 0, 1, 2>(&relative, shear_x, shear_y),
-            1 => corners::<V, 1, 2, 0>(&relative, shear_x, shear_y),
-            _ => corners::<V, 2, 0, 1>(&relative, shear_x, shear_y),
-        };
-        if let Some(candidates) = inside(&a, &b, &c, V::splat(rays.shear[2][r]), !around) {
+        if let Some(candidates) = triangles_at::<V>(&relative, rays, r, !around) {
             hit |= u64::from(candidates.within(t_min, t_max) != 0) << r;
         }
     }
     hit
+}
+
+/// The corners of a block's triangles, relative to where the rays start.
+#[inline(always)]
+pub fn relative<V: Lanes>(block: &TriangleBlock, start: &Start) -> [V; 9] {
+    let mut relative = [V::splat(0.0); 9];
+    for row in 0..9 {
+        relative[row] = V::load(&block.corners[row]).sub(V::splat(start.origin[row % 3]));
+    }
+    relative
+}
+
+/// Which of the triangles `lanes` with these corners the line of ray `r` passes through.
+#[inline(always)]
+pub fn triangles_at<V: Lanes>(relative: &[V; 9], rays: &Rays, r: usize, lanes: u32) -> Option<Candidates<V>> {
+    let (shear_x, shear_y) = (V::splat(rays.shear[0][r]), V::splat(rays.shear[1][r]));
+    let (a, b, c) = match rays.first_axis[r] {
+        0 => corners::<V, 0, 1, 2>(relative, shear_x, shear_y),
+        1 => corners::<V, 1, 2, 0>(relative, shear_x, shear_y),
+        _ => corners::<V, 2, 0, 1>(relative, shear_x, shear_y),
+    };
+    inside(&a, &b, &c, V::splat(rays.shear[2][r]), lanes)
 }
 
 /// The corners of eight triangles, sheared along axis `Z`.
@@ -302,7 +334,7 @@ fn corners<V: Lanes, const X: usize, const Y: usize, const Z: usize>(
 
 /// The triangles of a block that have a corner at `vertex` and do not rise above its tangent plane.
 #[inline(always)]
-fn around<V: Lanes>(block: &TriangleBlock, vertex: [f32; 3], normal: Vec3) -> u32 {
+pub fn around<V: Lanes>(block: &TriangleBlock, vertex: [f32; 3], normal: Vec3) -> u32 {
     let mut touching = 0;
     for first in [0, 3, 6] {
         touching |= !(V::load(&block.corners[first]).ne(V::splat(vertex[0]))

@@ -10,6 +10,7 @@
 mod build;
 mod bundle;
 mod lanes;
+mod nearest;
 mod node;
 mod traverse;
 
@@ -143,6 +144,21 @@ impl Bvh {
         blocked: &mut [u64],
     ) {
         bundle::blocked(self, vantage, world_from_local, directions, blocked);
+    }
+
+    /// As [`Bvh::blocked`], what blocks each direction first: its distance from the start of the ray in the world's units,
+    /// its triangle, and where on that. A direction has a hit if, and only if, it is blocked.
+    ///
+    /// Shapes: `hits` [`Directions::count`].
+    /// Cost: measured in docs/results/bake.md, "Interreflection".
+    pub fn nearest(
+        &self,
+        vantage: &Vantage,
+        world_from_local: &Mat3,
+        directions: &Directions,
+        hits: &mut [Option<Hit>],
+    ) {
+        nearest::nearest(self, vantage, world_from_local, directions, hits);
     }
 
     /// Memory held.

@@ -357,6 +357,62 @@ fn bundles_hit_what_single_rays_hit() {
 }
 
 #[test]
+fn the_nearest_hits_of_bundles_are_those_of_single_rays() {
+    let mut numbers = Numbers(71);
+    // Twice the same triangles: of two at one distance the first counts.
+    let mut doubled = scattered(300, 0.3, &mut numbers);
+    doubled.1.extend(doubled.1.clone());
+    for (soup, t_max) in [
+        (scattered(3000, 0.2, &mut numbers), f32::INFINITY),
+        (sphere(40), f32::INFINITY),
+        (doubled, 0.8),
+        (scattered(5, 1.0, &mut numbers), f32::INFINITY),
+    ] {
+        let bvhs = every_isa(&soup);
+        let mut hit_count = 0;
+        for count in [1, 64, 300] {
+            for _ in 0..20 {
+                // Away from all corners, so that no triangle is left out.
+                let (position, normal) = (0.7 * numbers.point(), numbers.direction());
+                let vantage = Vantage { position, normal, bias: 0.0, t_max };
+                let frame = Mat3::from_quat(Quat::from_rotation_arc(Vec3::Z, normal));
+                let directions: Vec<Vec3> = (0..count).map(|_| numbers.direction()).collect();
+                let set = Directions::new(&directions);
+                let mut hits = vec![None; count];
+                let mut expected = None;
+                for bvh in &bvhs {
+                    bvh.nearest(&vantage, &frame, &set, &mut hits);
+                    let blocked = blocked(bvh, &vantage, &frame, &directions);
+                    assert!(blocked.iter().zip(&hits).all(|(&blocked, hit)| blocked == hit.is_some()));
+                    assert_eq!(*expected.get_or_insert_with(|| hits.clone()), hits);
+                }
+                for (direction, hit) in directions.iter().zip(&hits) {
+                    let ray = Ray { t_max, ..Ray::new(position, frame * *direction) };
+                    let single = bvhs[0].closest(&ray);
+                    hit_count += usize::from(hit.is_some());
+                    let (Some(hit), Some(single)) = (hit, single) else {
+                        assert_eq!(hit.is_some(), single.is_some(), "{ray:?}");
+                        continue;
+                    };
+                    // The directions differ by their roundings.
+                    assert!((hit.t - single.t).abs() <= 2e-6 * (1.0 + single.t), "{hit:?} {single:?}");
+                    let at = |hit: &Hit| {
+                        let [a, b, c] = soup.1[hit.triangle as usize].map(|i| soup.0[i as usize]);
+                        let [v, w] = hit.barycentric;
+                        a + v * (b - a) + w * (c - a)
+                    };
+                    assert!(
+                        (at(hit) - at(&single)).length() <= 1e-5 * (1.0 + single.t),
+                        "{hit:?} {single:?}"
+                    );
+                }
+            }
+        }
+        assert!(hit_count > 1000, "{hit_count}");
+    }
+}
+
+#[test]
 fn bundles_do_not_leak_through_a_closed_mesh() {
     let (positions, triangles) = sphere(16);
     let vantage =

@@ -247,12 +247,7 @@ fn closest_in<V: Lanes>(bvh: &Bvh, ray: &LocalRay) -> Option<Hit> {
         let block = &bvh.blocks[(child & !LEAF) as usize];
         if let Some(candidates) = test.intersect(block) {
             let mut hit = candidates.within(V::splat(ray.t_min), V::splat(best.t));
-            let mut values = [[0.0; WIDTH]; 4];
-            for (value, to) in
-                [candidates.t, candidates.v, candidates.w, candidates.det].iter().zip(&mut values)
-            {
-                value.store(to);
-            }
+            let values = candidates.values();
             while hit != 0 {
                 let lane = hit.trailing_zeros() as usize;
                 hit &= hit - 1;
@@ -423,6 +418,16 @@ fn edge<V: Lanes>(p: &[V; 3], q: &[V; 3]) -> V {
 }
 
 impl<V: Lanes> Candidates<V> {
+    /// t, the unnormalised weights of the second and third corner, and what normalises them.
+    #[inline(always)]
+    pub fn values(&self) -> [[f32; WIDTH]; 4] {
+        let mut values = [[0.0; WIDTH]; 4];
+        for (value, to) in [self.t, self.v, self.w, self.det].iter().zip(&mut values) {
+            value.store(to);
+        }
+        values
+    }
+
     /// Those with `t_min` ≤ t ≤ `t_max`.
     #[inline(always)]
     pub fn within(&self, t_min: V, t_max: V) -> u32 {

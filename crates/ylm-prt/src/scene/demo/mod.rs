@@ -3,9 +3,12 @@
 //! Made to be hard where shading is hard: a rotunda whose pierced dome lights a knot on a pedestal, a screen of thin
 //! bars, a sponge of cubes full of corners, a bowl with fruit, a hoop, and ground on which all their shadows fall.
 
+mod cornell;
 mod profile;
 mod solid;
 mod surface;
+
+pub use self::cornell::cornell;
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 use std::ops::Range;

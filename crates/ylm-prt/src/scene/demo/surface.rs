@@ -98,8 +98,13 @@ pub(super) struct Composition {
 impl Composition {
     /// Adds a closed part of one colour, merging its vertices where position, or normal, are the same.
     pub fn add(&mut self, part: Surface, albedo: [f32; 3]) {
-        let material = self.materials.values.len() as u32;
-        self.materials.values.push(Material::of_albedo(albedo));
+        self.add_of(part, Material::of_albedo(albedo));
+    }
+
+    /// As [`Composition::add`], of any material.
+    pub fn add_of(&mut self, part: Surface, material: Material) {
+        self.materials.values.push(material);
+        let material = self.materials.values.len() as u32 - 1;
         let mut position_ids = HashMap::new();
         let mut normal_ids = HashMap::new();
         let mut corners_of = Vec::with_capacity(part.positions.len());
