@@ -14,6 +14,7 @@ use ylm_prt::light::{Light, LightCoeffs, Sun};
 
 use crate::options::{self, LightOptions};
 use crate::output::{Output, path_value};
+use crate::window::WindowChoice;
 
 /// Project a light onto spherical harmonics, or describe it: print it, or write it to a file
 #[derive(clap::Args)]
@@ -42,6 +43,9 @@ impl Arguments {
     /// # Errors
     /// The line that says so.
     pub fn check(&self) -> std::result::Result<(), String> {
+        if self.options.window() == WindowChoice::AutoPoints {
+            return Err("--window auto:points looks at lighting points: it is for `ylm render`".to_owned());
+        }
         match (self.describes(), self.bands, self.options.has_window()) {
             (true, Some(_), _) => Err("--bands are of coefficients; a description has none".to_owned()),
             (true, _, true) => Err("--window damps bands of coefficients; a description has none".to_owned()),
@@ -65,14 +69,18 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
         return describe(arguments, &light, suns.as_deref(), output);
     }
     let bands = arguments.bands.map_or_else(|| Bands::new(DEFAULT_BANDS), Ok)?;
-    let coeffs = arguments.options.project(&light, bands)?;
+    let coeffs = light.project(bands)?;
+    let choice = arguments.options.window();
+    let window = choice.of(&coeffs)?;
+    let coeffs = coeffs.windowed_by(window)?;
     if let Some(path) = &arguments.output {
         write_light(path, &coeffs, &arguments.light)?;
     }
     let mut value = value(arguments, &coeffs);
     value["repaired"] = options::repaired_count(&light).into();
     value["suns"] = options::suns_value(suns.as_deref());
-    let text = options::suns_text(suns.as_deref()) + &text(arguments, &coeffs);
+    value["window"] = choice.value(window);
+    let text = options::suns_text(suns.as_deref()) + &text(arguments, &coeffs, &choice.words(window));
     output.result(&text, &value);
     Ok(())
 }
@@ -104,11 +112,16 @@ fn describe(arguments: &Arguments, light: &Light, suns: Option<&[Sun]>, output: 
     Ok(())
 }
 
-fn text(arguments: &Arguments, coeffs: &LightCoeffs) -> String {
+fn text(arguments: &Arguments, coeffs: &LightCoeffs, window: &str) -> String {
     if let Some(path) = &arguments.output {
-        return format!("{}: {} bands of {}\n", path.display(), coeffs.bands.count(), arguments.light);
+        let count = coeffs.bands.count();
+        return format!("{}: {count} bands of {}{window}\n", path.display(), arguments.light);
     }
-    let mut text = format!("{:>3} {:>4}  {:>12} {:>12} {:>12}\n", "l", "m", "R", "G", "B");
+    let mut text = String::new();
+    if let Some(window) = window.strip_prefix(", ") {
+        let _ = writeln!(text, "{window}");
+    }
+    let _ = writeln!(text, "{:>3} {:>4}  {:>12} {:>12} {:>12}", "l", "m", "R", "G", "B");
     for i in 0..coeffs.bands.coeff_count() {
         let (l, m) = bands::degree_order(i);
         let [r, g, b] = coeffs.channels.each_ref().map(|channel| channel[i]);

@@ -16,6 +16,7 @@ mod render;
 mod shading;
 mod source;
 mod view;
+mod window;
 
 use std::process::ExitCode;
 

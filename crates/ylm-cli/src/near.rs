@@ -5,11 +5,12 @@ use std::str::FromStr;
 use glam::Vec3;
 use serde_json::{Value, json};
 use ylm::Bands;
+use ylm::window::Window;
 use ylm_prt::error::Result;
 use ylm_prt::light::{Light, LightCoeffs};
 use ylm_prt::shade::{AtEachPoint, Blend, Incident, LightSamples, MAX_SAMPLES, Project};
 
-use crate::options::{self, LightOptions};
+use crate::options;
 
 /// How light that stands somewhere reaches the vertices.
 #[derive(clap::Args)]
@@ -58,19 +59,19 @@ fn count(text: &str) -> std::result::Result<usize, String> {
 }
 
 /// A light split into what is the same everywhere, projected once, and what stands somewhere.
-pub struct NearLight<'a> {
+pub struct NearLight {
     far: LightCoeffs,
     near: Light,
-    options: &'a LightOptions,
+    window: Option<Window>,
 }
 
-impl<'a> NearLight<'a> {
-    /// The light in `bands` bands, damped as the options say.
+impl NearLight {
+    /// The light in `bands` bands, damped by the window if there is one.
     ///
     /// # Errors
     /// If a coefficient leaves the range of f32.
-    pub fn new(light: &Light, options: &'a LightOptions, bands: Bands) -> Result<Self> {
-        Ok(Self { far: options.project(&light.far(), bands)?, near: light.local(), options })
+    pub fn new(light: &Light, window: Option<Window>, bands: Bands) -> Result<Self> {
+        Ok(Self { far: light.far().project(bands)?.windowed_by(window)?, near: light.local(), window })
     }
 
     /// The light that a place sees.
@@ -78,7 +79,7 @@ impl<'a> NearLight<'a> {
     /// # Errors
     /// As [`NearLight::new`].
     pub fn at(&self, place: Vec3) -> Result<LightCoeffs> {
-        let mut light = self.options.project_at(&self.near, place, self.far.bands)?;
+        let mut light = self.near.project_at(place, self.far.bands)?.windowed_by(self.window)?;
         for (channel, far) in light.channels.iter_mut().zip(&self.far.channels) {
             channel.iter_mut().zip(far).for_each(|(near, far)| *near += far);
         }

@@ -5,14 +5,14 @@ use std::str::FromStr;
 
 use glam::Vec3;
 use ylm::Bands;
-use ylm::window::Window;
 use ylm_prt::error::Result as PrtResult;
 use ylm_prt::file;
 use ylm_prt::image::ReadOptions;
-use ylm_prt::light::{Light, LightCoeffs, Source, Sun, SunSettings, facing, sun};
+use ylm_prt::light::{Light, Source, Sun, SunSettings, facing, sun};
 use ylm_prt::scene::{Camera, View};
 
 use crate::output::Output;
+use crate::window::WindowChoice;
 
 /// What `--light` understands, for the help of the verbs that take one.
 pub const LIGHT_HELP: &str = "\
@@ -179,38 +179,15 @@ pub fn check_destination(path: &Path, inputs: &[&Path], light: &str) -> PrtResul
     file::check_destination(path, &inputs.iter().copied().chain(words).collect::<Vec<_>>())
 }
 
-/// `--window`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WindowChoice(Option<Window>);
-
-impl FromStr for WindowChoice {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wrong =
-            || "must be none, hann:W, lanczos:W or gauss:W, W the width in bands, as in hann:6".to_owned();
-        if text == "none" {
-            return Ok(Self(None));
-        }
-        let (kind, width) = text.split_once(':').ok_or_else(wrong)?;
-        let width =
-            width.parse().ok().filter(|width: &f64| *width > 0.0 && width.is_finite()).ok_or_else(wrong)?;
-        match kind {
-            "hann" => Ok(Self(Some(Window::Hann(width)))),
-            "lanczos" => Ok(Self(Some(Window::Lanczos(width)))),
-            "gauss" => Ok(Self(Some(Window::Gauss(width)))),
-            _ => Err(wrong()),
-        }
-    }
-}
-
 /// What light, and how it is brought into SH.
 #[derive(clap::Args)]
 pub struct LightOptions {
     /// Turn the light so that what came from +z comes from this azimuth and elevation, in degrees
     #[arg(long, value_parser = azimuth_elevation, value_name = "AZ,EL", allow_hyphen_values = true)]
     light_rotation: Option<[f32; 2]>,
-    /// Damp high bands against ringing: none, hann:W, lanczos:W, gauss:W, the width W in bands
+    /// Damp high bands against ringing: hann:W, lanczos:W or gauss:W, the width W in bands; laplacian:LAMBDA or
+    /// laplacian:P%, what remains of the squared Laplacian; poisson:R, from 0 to 1; auto, as little as leaves the light
+    /// nowhere negative; auto:points, as little as leaves no lighting point negative (`ylm render`)
     #[arg(long, default_value = "none", value_name = "WINDOW")]
     window: WindowChoice,
     /// Set NaN, infinite and negative texels of a probe to zero instead of refusing it
@@ -275,27 +252,12 @@ impl LightOptions {
 
     /// Whether bands are to be damped.
     pub fn has_window(&self) -> bool {
-        self.window.0.is_some()
+        self.window != WindowChoice::None
     }
 
-    /// The light's coefficients, damped as asked for.
-    ///
-    /// # Errors
-    /// If a coefficient leaves the range of f32.
-    pub fn project(&self, light: &Light, bands: Bands) -> PrtResult<LightCoeffs> {
-        self.project_at(light, Vec3::ZERO, bands)
-    }
-
-    /// [`LightOptions::project`], as another place than the origin sees it.
-    ///
-    /// # Errors
-    /// If a coefficient leaves the range of f32.
-    pub fn project_at(&self, light: &Light, place: Vec3, bands: Bands) -> PrtResult<LightCoeffs> {
-        let coeffs = light.project_at(place, bands)?;
-        match self.window.0 {
-            Some(window) => coeffs.windowed(window),
-            None => Ok(coeffs),
-        }
+    /// How bands are to be damped.
+    pub fn window(&self) -> WindowChoice {
+        self.window
     }
 }
 

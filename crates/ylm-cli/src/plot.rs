@@ -228,13 +228,16 @@ fn light(arguments: &Arguments, output: &Output) -> Result<Plot> {
     let is_coeffs = light.parts().iter().all(|part| matches!(part.source, Source::Coeffs(_)));
     let default = if is_coeffs { own_bands.max() } else { None };
     let bands = arguments.bands.or(default).map_or_else(|| Bands::new(DEFAULT_BANDS), Ok)?;
-    let coeffs = arguments.options.project(&light, bands)?;
+    let coeffs = light.project(bands)?;
+    let window = arguments.options.window().of(&coeffs)?;
+    let coeffs = coeffs.windowed_by(window)?;
     let subject = Subject {
         title: format!("{}, {} bands", shortened(&arguments.subject), bands.count()),
         function: Function::rgb(&coeffs),
         original: (!is_coeffs).then(|| LatLong::of_light(&light)),
     };
     let mut plot = draw(arguments, &subject, mean_radiance(&coeffs), "light")?;
+    plot.facts["window"] = arguments.options.window().value(window);
     plot.facts["repaired"] = options::repaired_count(&light).into();
     Ok(plot)
 }

@@ -8,13 +8,14 @@ use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::Vec3;
 use serde_json::json;
 use ylm::Bands;
+use ylm::window::Window;
 use ylm_prt::error;
 use ylm_prt::format::read_baked;
 use ylm_prt::image::Image;
-use ylm_prt::light::{Light, Source};
+use ylm_prt::light::{Light, LightCoeffs, Source};
 use ylm_prt::reference::Occlusion;
 use ylm_prt::render::{Colours, Raster, ToneMap, develop, render_in};
-use ylm_prt::shade::{Far, Shadowed, dim};
+use ylm_prt::shade::{Far, Shadowed, dim, least_nonnegative_at_points};
 use ylm_prt::transfer::Baked;
 
 use crate::balls::{BallOptions, BallShadow, Stage};
@@ -25,6 +26,7 @@ use crate::options::{self, CameraPlace, Exposure, LightOptions};
 use crate::output::{Output, path_value};
 use crate::shading::{self, Shaded};
 use crate::view::{self, Shading, ViewOptions};
+use crate::window::WindowChoice;
 
 /// Draw a baked scene under a light
 #[derive(clap::Args)]
@@ -127,11 +129,13 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     ));
 
     let shade_start = Instant::now();
-    let shaded = shade(arguments, &baked, &light, &stage)?;
+    let window = choose_window(arguments, &baked, &light)?;
+    let shaded = shade(arguments, &baked, &light, &stage, window)?;
     let shade_seconds = shade_start.elapsed().as_secs_f64();
     if shaded.negative_count() > 0 && !arguments.shading.is_false_colour() {
         output.warn(&format!(
-            "{} of {} points have negative radiance: the light rings at these bands; a --window damps it",
+            "{} of {} points have negative radiance: the light rings at these bands; --window auto:points damps it, \
+             --shading negative shows where",
             shaded.negative_count(),
             shaded.radiance.len()
         ));
@@ -147,7 +151,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         Background::Black => Vec3::ZERO,
     };
     let middle = middle(&baked.points.positions);
-    let coeffs = arguments.options.project_at(&light, middle, baked.transfer.bands)?;
+    let coeffs = light.project_at(middle, baked.transfer.bands)?.windowed_by(window)?;
     let mut radiance = shaded.radiance.clone();
     radiance.extend(stage.light_balls(&arguments.view.part_of(coeffs)?));
     let colours = arguments.view.colours(arguments.shading, &radiance);
@@ -164,9 +168,11 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
 
     let shading = arguments.shading.name();
     let noise = shaded.noise.map_or(String::new(), |noise| format!(", noise {:.2} %", 100.0 * noise));
+    let choice = arguments.options.window();
     let text = format!(
-        "{}: {width}×{height}, {shading} shading{noise}{}; {:.2} s\n",
+        "{}: {width}×{height}, {shading} shading{noise}{}{}; {:.2} s\n",
         arguments.output.display(),
+        choice.words(window),
         view::scale_text(colours),
         start.elapsed().as_secs_f64()
     );
@@ -174,32 +180,56 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         "output": path_value(&arguments.output), "size": [width, height], "light": arguments.light, "repaired": options::repaired_count(&light), "suns": options::suns_value(suns.as_deref()), "shading": shading,
         "bands": baked.transfer.bands.count(), "light_bands": arguments.light_bands.map(Bands::count),
         "band": arguments.view.band(), "scale": view::scale_value(colours), "near": arguments.near.json(&light),
-        "balls": arguments.balls.json(), "points": shaded.radiance.len(), "radiance": shaded.statistics(), "noise": shaded.noise,
+        "balls": arguments.balls.json(), "window": choice.value(window),
+        "points": shaded.radiance.len(), "radiance": shaded.statistics(), "noise": shaded.noise,
         "shade_seconds": shade_seconds, "render_seconds": render_seconds, "seconds": start.elapsed().as_secs_f64(),
     });
     output.result(&text, &value);
     Ok(())
 }
 
-fn shade(arguments: &Arguments, baked: &Baked, light: &Light, stage: &Stage) -> error::Result<Shaded> {
-    let coeffs = |bands| arguments.options.project(light, bands);
+/// The bands of the light that the points are lit by.
+fn used_bands(arguments: &Arguments, baked: &Baked) -> Bands {
+    arguments.light_bands.map_or(baked.transfer.bands, |bands| bands.min(baked.transfer.bands))
+}
+
+/// The window that was asked for; `auto` looks at the light as the middle of the points sees it.
+fn choose_window(arguments: &Arguments, baked: &Baked, light: &Light) -> error::Result<Option<Window>> {
+    let choice = arguments.options.window();
+    let bands = match (arguments.shading, arguments.light_bands) {
+        (Shading::Reference, Some(bands)) if choice != WindowChoice::AutoPoints => bands,
+        _ => used_bands(arguments, baked),
+    };
+    match choice {
+        WindowChoice::None => Ok(None),
+        WindowChoice::AutoPoints if light.is_local() => least_nonnegative_at_points(|window| {
+            Ok(light_near_points(arguments, baked, light, window, &Ok)?.radiance)
+        }),
+        WindowChoice::AutoPoints => {
+            let coeffs = light.project(bands)?;
+            least_nonnegative_at_points(|window| {
+                Ok(light_points(arguments, baked, &coeffs.clone().windowed_by(window)?)?.radiance)
+            })
+        }
+        choice => choice.of(&light.project_at(middle(&baked.points.positions), bands)?),
+    }
+}
+
+fn shade(
+    arguments: &Arguments,
+    baked: &Baked,
+    light: &Light,
+    stage: &Stage,
+    window: Option<Window>,
+) -> error::Result<Shaded> {
+    let coeffs = |bands| light.project(bands)?.windowed_by(window);
     match (arguments.shading, arguments.light_bands) {
-        (Shading::Diffuse | Shading::Band, bands) => {
-            let bands = bands.map_or(baked.transfer.bands, |bands| bands.min(baked.transfer.bands));
+        (Shading::Diffuse | Shading::Band | Shading::Negative, _) => {
+            let part = |light| arguments.view.part_of(light);
             if light.is_local() {
-                return shade_near(arguments, baked, light, bands);
+                return light_near_points(arguments, baked, light, window, &part);
             }
-            let light = arguments.view.part_of(coeffs(bands)?)?;
-            match arguments.balls.shadow() {
-                None => Ok(shading::diffuse(baked, &light)),
-                Some(BallShadow::Object) => {
-                    let caps = arguments.balls.seen_from(middle(&baked.points.positions));
-                    Ok(shading::diffuse(baked, &dim(&light, &caps)?))
-                }
-                Some(BallShadow::Vertex) => {
-                    shading::diffuse_under(baked, &Shadowed::new(&Far::new(&light), arguments.balls.balls()))
-                }
-            }
+            light_points(arguments, baked, &part(coeffs(used_bands(arguments, baked))?)?)
         }
         (Shading::Reference, Some(_)) if light.is_local() => Err(error::Error::Request(
             "--light-bands with --shading reference needs a light from far away; this one stands somewhere"
@@ -213,15 +243,36 @@ fn shade(arguments: &Arguments, baked: &Baked, light: &Light, stage: &Stage) -> 
     }
 }
 
-/// Lights by a light that stands somewhere.
-fn shade_near(arguments: &Arguments, baked: &Baked, light: &Light, bands: Bands) -> error::Result<Shaded> {
-    let near = NearLight::new(light, &arguments.options, bands)?;
+/// Lights the points by a light from far away, behind the balls if there are any.
+fn light_points(arguments: &Arguments, baked: &Baked, light: &LightCoeffs) -> error::Result<Shaded> {
+    match arguments.balls.shadow() {
+        None => Ok(shading::diffuse(baked, light)),
+        Some(BallShadow::Object) => {
+            let caps = arguments.balls.seen_from(middle(&baked.points.positions));
+            Ok(shading::diffuse(baked, &dim(light, &caps)?))
+        }
+        Some(BallShadow::Vertex) => {
+            shading::diffuse_under(baked, &Shadowed::new(&Far::new(light), arguments.balls.balls()))
+        }
+    }
+}
+
+/// Lights the points by a part of a light that stands somewhere.
+fn light_near_points(
+    arguments: &Arguments,
+    baked: &Baked,
+    light: &Light,
+    window: Option<Window>,
+    part: &(dyn Fn(LightCoeffs) -> error::Result<LightCoeffs> + Sync),
+) -> error::Result<Shaded> {
+    let bands = used_bands(arguments, baked);
+    let near = NearLight::new(light, window, bands)?;
     let positions = &baked.points.positions;
     let caps = match arguments.balls.shadow() {
         Some(BallShadow::Object) => arguments.balls.seen_from(middle(positions)),
         _ => Vec::new(),
     };
-    let project = |place: Vec3| dim(&arguments.view.part_of(near.at(place)?)?, &caps);
+    let project = |place: Vec3| dim(&part(near.at(place)?)?, &caps);
     let incident = arguments.near.incident(positions, bands, &project)?;
     match arguments.balls.shadow() {
         Some(BallShadow::Vertex) => {

@@ -87,16 +87,22 @@ impl Shaded {
         self.radiance.iter().filter(|radiance| radiance.min_element() < 0.0).count()
     }
 
-    /// For `--json`: smallest, largest and mean radiance of each channel, and how many points have a negative one.
+    /// For `--json`: smallest, largest and mean radiance of each channel; how many points have a negative one, their share,
+    /// and the most negative of a channel over that channel's mean (0 if none is).
     pub fn statistics(&self) -> Value {
         let min = self.radiance.iter().copied().fold(Vec3::INFINITY, Vec3::min);
         let max = self.radiance.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
         let sum: DVec3 = self.radiance.iter().map(|radiance| radiance.as_dvec3()).sum();
+        let mean = sum / self.radiance.len() as f64;
+        let over_mean =
+            (0..3).map(|c| f64::from(min[c].min(0.0)) / if mean[c] > 0.0 { mean[c] } else { 1.0 });
         json!({
             "min": min.to_array(),
             "max": max.to_array(),
-            "mean": (sum / self.radiance.len() as f64).to_array(),
+            "mean": mean.to_array(),
             "negative_points": self.negative_count(),
+            "negative_share": self.negative_count() as f64 / self.radiance.len() as f64,
+            "most_negative_over_mean": over_mean.fold(0.0, f64::min),
         })
     }
 }

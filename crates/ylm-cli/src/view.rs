@@ -17,6 +17,8 @@ pub enum Shading {
     Reference,
     /// What --band alone adds, in false colours of its luminance: blue below 0, white at 0, red above
     Band,
+    /// As diffuse, its luminance in grey; in red, by magnitude, what has a negative channel
+    Negative,
 }
 
 /// Past the model in false colours: darker than any of them, so that the model's outline is seen.
@@ -25,7 +27,7 @@ const GROUND: Vec3 = Vec3::splat(0.02);
 impl Shading {
     /// Whether colours stand for numbers.
     pub fn is_false_colour(self) -> bool {
-        matches!(self, Self::Band)
+        matches!(self, Self::Band | Self::Negative)
     }
 
     /// For the report.
@@ -77,6 +79,10 @@ impl ViewOptions {
             (Shading::Diffuse | Shading::Reference, _) => Colours::Radiance,
             (Shading::Band, Some(full)) => Colours::Signed { full },
             (Shading::Band, None) => Colours::signed_to_fit(radiance),
+            (Shading::Negative, full) => match (Colours::negative_to_fit(radiance), full) {
+                (Colours::Negative { full, .. }, Some(white)) => Colours::Negative { white, full },
+                (fit, _) => fit,
+            },
         }
     }
 
@@ -96,6 +102,10 @@ pub fn scale_text(colours: Colours) -> String {
     match colours {
         Colours::Radiance => String::new(),
         Colours::Signed { full } => format!(", blue −{full:.4} to red +{full:.4}"),
+        Colours::Negative { white, full: 0.0 } => format!(", black 0 to white {white:.4}, nothing negative"),
+        Colours::Negative { white, full } => {
+            format!(", black 0 to white {white:.4}, negative channels from pale red to dark red −{full:.4}")
+        }
     }
 }
 
@@ -104,5 +114,6 @@ pub fn scale_value(colours: Colours) -> Value {
     match colours {
         Colours::Radiance => Value::Null,
         Colours::Signed { full } => json!([-full, full]),
+        Colours::Negative { white, full } => json!([-full, white]),
     }
 }

@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use ylm::Bands;
 use ylm::eval::eval;
 use ylm::rotate::Rotation;
-use ylm::window::Window;
+use ylm::window::{Window, least_nonnegative};
 
 use crate::error::{Error, Result};
 
@@ -138,6 +138,25 @@ impl LightCoeffs {
             window.apply(self.bands, channel)?;
         }
         Ok(windowed)
+    }
+
+    /// The light with its bands weighted, if they are to be.
+    ///
+    /// # Errors
+    /// As [`LightCoeffs::windowed`].
+    pub fn windowed_by(self, window: Option<Window>) -> Result<Self> {
+        match window {
+            Some(window) => self.windowed(window),
+            None => Ok(self),
+        }
+    }
+
+    /// The weakest window that leaves no channel negative anywhere: [`least_nonnegative`].
+    ///
+    /// # Errors
+    /// If the mean of a channel is negative, which no window mends.
+    pub fn least_nonnegative_window(&self) -> Result<Option<Window>> {
+        Ok(least_nonnegative(self.bands, &self.channels.concat())?)
     }
 
     /// The light as JSON: `bands`, `convention`, `source` (a note of where it is from), and arrays `r`, `g`, `b`.

@@ -16,6 +16,13 @@ pub fn signed_colour(value: f32) -> [u8; 3] {
     [colour.r, colour.g, colour.b]
 }
 
+/// The colour of what is below 0, by its magnitude from 0 (pale orange) to 1 (dark red); ColorBrewer's OrRd but for its
+/// palest, so that none is near grey.
+pub fn negative_colour(magnitude: f32) -> [u8; 3] {
+    let colour = colorous::ORANGE_RED.eval_continuous(f64::from(0.4 + 0.6 * magnitude.clamp(0.0, 1.0)));
+    [colour.r, colour.g, colour.b]
+}
+
 /// What the colours of a picture stand for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Colours {
@@ -27,6 +34,13 @@ pub enum Colours {
         /// The luminance that is shown as the last colour, as is all beyond it.
         full: f32,
     },
+    /// Luminance in grey, and by [`negative_colour`] whatever has a negative channel.
+    Negative {
+        /// The luminance that is shown as white.
+        white: f32,
+        /// How far below 0 the last colour stands for; 0 where nothing is below.
+        full: f32,
+    },
 }
 
 impl Colours {
@@ -34,8 +48,20 @@ impl Colours {
     pub fn of(self, radiance: Vec3) -> Vec3 {
         match self {
             Self::Radiance => radiance,
+            Self::Negative { full, .. } if radiance.min_element() < 0.0 => {
+                linear(negative_colour(-radiance.min_element() / full))
+            }
+            Self::Negative { white, .. } => Vec3::splat(LUMINANCE.dot(radiance) / white).min(Vec3::ONE),
             Self::Signed { full } => linear(signed_colour(LUMINANCE.dot(radiance) / full)),
         }
+    }
+
+    /// Grey to four times the mean luminance, and the most negative channel among these radiances as the last colour.
+    pub fn negative_to_fit(radiance: &[Vec3]) -> Self {
+        let mean =
+            radiance.iter().map(|r| f64::from(LUMINANCE.dot(*r))).sum::<f64>() / radiance.len().max(1) as f64;
+        let most = radiance.iter().map(|radiance| -radiance.min_element()).fold(0.0, f32::max);
+        Self::Negative { white: if mean > 0.0 { 4.0 * mean as f32 } else { 1.0 }, full: most }
     }
 
     /// The signed colours whose last colours are the largest magnitude among these radiances; all 0 leaves a scale of 1.
@@ -94,6 +120,13 @@ mod tests {
         let picture = develop(&Image { width: 5, height: 1, pixels }, 0.0, ToneMap::None);
         assert_eq!(picture.pixels, [-1.0, 0.0, 0.5, 1.0, 1.0].map(signed_colour));
         assert_eq!(Colours::signed_to_fit(&radiance[..4]), colours);
+        let fit = Colours::negative_to_fit(&[Vec3::splat(3.0), Vec3::new(1.0, -0.5, 1.0)]);
+        let Colours::Negative { white, full } = fit else { panic!("{fit:?}") };
+        let green = LUMINANCE.y;
+        assert!((white - 2.0 * (3.0 + 1.0 - 1.5 * green)).abs() <= 2e-6 && full == 0.5);
+        assert_eq!(fit.of(Vec3::new(9.0, -0.5, 9.0)), linear(negative_colour(1.0)));
+        assert!((fit.of(Vec3::splat(0.5 * white)) - 0.5).length() <= 1e-6);
+        assert_eq!(fit.of(Vec3::splat(9.0 * white)), Vec3::ONE);
         assert_eq!(Colours::signed_to_fit(&[Vec3::ZERO]), Colours::Signed { full: 1.0 });
     }
 }

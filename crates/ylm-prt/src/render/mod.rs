@@ -9,5 +9,5 @@ mod tonemap;
 pub use cast::{Raster, backdrop, render, render_in};
 pub use contact_sheet::{Frame, Sheet, contact_sheet};
 pub use difference::{Difference, ErrorScale, compare, compare_files, error_picture};
-pub use false_colour::{Colours, heat_colour, signed_colour};
+pub use false_colour::{Colours, heat_colour, negative_colour, signed_colour};
 pub use tonemap::{ToneMap, develop, linear_from_srgb, srgb_from_linear};

@@ -14,9 +14,11 @@ pub mod grey;
 mod incident;
 mod linear;
 mod near;
+mod ringing;
 
 pub use ball::{Ball, Cap, Shadowed, dim};
 pub use diffuse::shade_diffuse;
 pub use incident::{Far, Incident, shade_diffuse_under};
 pub use linear::{LinearIrradiance, shade_linear};
 pub use near::{AtEachPoint, Blend, LightSamples, MAX_SAMPLES, Project};
+pub use ringing::least_nonnegative_at_points;
