@@ -234,13 +234,12 @@ impl<'a> Search<'a> {
     fn region(&self, peak: usize, threshold: f64) -> Region {
         let Some(middle) = self.directions[peak] else { return Region::Dim };
         let (most, around) = (self.luminance(peak), self.median(middle, SURROUNDINGS));
-        let everywhere = self.median(middle, [0.0, PI]);
         let stands_out = most >= threshold * around;
-        if !stands_out && most < threshold * everywhere {
+        // What does not stand out from what is next to it is the middle of something wide.
+        let around = if stands_out { around } else { self.median(middle, [0.0, PI]) };
+        if most < threshold * around {
             return Region::Dim;
         }
-        // What does not stand out from what is next to it is the middle of something wide.
-        let around = if stands_out { around } else { everywhere };
         let edge = (EDGE_OVER_SURROUNDINGS * around).max(EDGE_OVER_PEAK * most);
         let (mut region, mut open) = (BTreeSet::from([peak]), vec![peak]);
         while let Some(index) = open.pop() {
