@@ -1,10 +1,11 @@
 //! Table `cheap-forms`: what diffuse light costs and loses with fewer coefficients or fewer channels.
 
+use glam::Vec3;
 use ylm_prt::light::{Light, LightCoeffs};
 use ylm_prt::reference::Occlusion;
-use ylm_prt::scene::Blockers;
-use ylm_prt::shade::{shade_diffuse, shade_linear};
-use ylm_prt::transfer::TransferKind;
+use ylm_prt::scene::{Blockers, Bvh, LightingPoints, demo};
+use ylm_prt::shade::{Monochrome, shade_diffuse, shade_linear, shade_monochrome};
+use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, BounceEnd, Bounces, TransferKind, bake};
 
 use crate::Options;
 use crate::scene::{bands, percent, relative_error, scenes};
@@ -22,6 +23,9 @@ const LIGHTS: [&str; 3] = [
 ];
 
 const PROBE: &str = "probes/grace_cube_256.dds";
+
+/// Into the room's open side, onto its red wall.
+const FROM_THE_FRONT: &str = "disc?dir=1,0.2,1.5&angle=15";
 
 /// Cost and error of each form under each light, of each scene.
 pub fn run(options: &Options) -> Vec<Table> {
@@ -72,7 +76,56 @@ pub fn run(options: &Options) -> Vec<Table> {
         }
         tables.push(table);
     }
+    tables.push(monochrome());
     tables
+}
+
+/// Bounces, and rays a point, of the table on bounced light.
+const BOUNCES: u32 = 3;
+const BOUNCED_RAYS: u32 = 512;
+
+/// The room with three channels of bounced light against the same with one: no noise, as both are of one bake. The
+/// points have their own colours.
+fn monochrome() -> Table {
+    let columns = ["light", "monochrome", "luminance of monochrome", "direct light alone"];
+    let mut points = LightingPoints::from_mesh(&demo::cornell()).expect("the built-in room");
+    // The lamp would drown the light from outside, and keeps its colour anyway.
+    points.emission = None;
+    let title = format!(
+        "Relative RMSE of vertex radiance against transfer with three channels of bounced light (built-in room, {} points, \
+         {BANDS} bands, {BOUNCES} bounces)",
+        points.positions.len()
+    );
+    let mut table = Table::new(title, &columns);
+    let settings = BakeSettings {
+        bands: bands(BANDS),
+        kind: TransferKind::Interreflected,
+        rays: BOUNCED_RAYS,
+        bounces: Bounces { end: BounceEnd::Count(BOUNCES), ..Bounces::default() },
+        ..BakeSettings::default()
+    };
+    let bvh = Bvh::build(&points.positions, &points.triangles);
+    let transfer = bake(&points, &bvh, &settings, &()).expect("a bake that memory holds");
+    let monochrome = Monochrome::new(&transfer);
+    let record = BakeRecord::new(&settings, Vec::new(), String::new());
+    let baked = Baked { points, blockers: Blockers::default(), transfer, record };
+    let mut direct = baked.clone();
+    direct.transfer.bounced = None;
+    let grey = |radiance: &[Vec3]| -> Vec<Vec3> {
+        radiance.iter().map(|v| Vec3::splat(v.dot(Vec3::new(0.2126, 0.7152, 0.0722)))).collect()
+    };
+    for spec in LIGHTS.into_iter().chain([FROM_THE_FRONT]) {
+        let light = Light::parse(spec).and_then(|light| light.project(bands(BANDS))).expect("a light");
+        let expected = shade_diffuse(&baked, &light);
+        let found = shade_monochrome(&monochrome, &baked.points, &light).expect("its own points");
+        table.row(vec![
+            spec.split('+').next().unwrap_or(spec).to_owned(),
+            relative_error(&found, &expected),
+            relative_error(&grey(&found), &grey(&expected)),
+            relative_error(&shade_diffuse(&direct, &light), &expected),
+        ]);
+    }
+    table
 }
 
 /// Nanoseconds a point on one thread, and how many times cheaper than coloured light of the same bands.

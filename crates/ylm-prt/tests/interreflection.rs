@@ -7,7 +7,7 @@ use ylm::Bands;
 use ylm_prt::light::Light;
 use ylm_prt::reference::{Settings, bounced_irradiance_of};
 use ylm_prt::scene::{Blockers, Bvh, LightingPoints, Material, Materials, Mesh};
-use ylm_prt::shade::shade_diffuse;
+use ylm_prt::shade::{Monochrome, shade_diffuse, shade_monochrome};
 use ylm_prt::transfer::{
     BakeRecord, BakeSettings, Baked, BounceEnd, Bounces, KeptBounces, Transfer, TransferKind, bake,
 };
@@ -381,4 +381,63 @@ fn blockers_are_black_and_thresholds_that_are_none_are_refused() {
         let message = bake(&points, &bvh, &settings, &()).unwrap_err().to_string();
         assert!(message.contains("it is a share, 0 or more"), "{message}");
     }
+}
+
+/// A light of three colours from three sides.
+fn three_colours() -> ylm_prt::light::LightCoeffs {
+    let spec =
+        "sky:overcast+disc?dir=1,0,3&angle=30&color=1,0.4,0.1+disc?dir=-1,1,2&angle=40&color=0.1,0.3,1";
+    Light::parse(spec).unwrap().project(Bands::new(3).unwrap()).unwrap()
+}
+
+#[test]
+fn monochrome_transfer_of_grey_surfaces_is_exact_in_any_light_and_colour() {
+    let walls = SIX.iter().filter(|d| **d != Vec3::Z).enumerate().map(|(k, &outward)| {
+        let emission = if k == 2 { [0.3, 0.2, 0.1] } else { [0.0; 3] };
+        (outward, Material { albedo: [0.2 + 0.15 * k as f32; 3], emission })
+    });
+    let mesh = room(&walls.collect::<Vec<_>>(), 8);
+    for kept in [KeptBounces::Sum, KeptBounces::Each] {
+        let mut baked = baked(&mesh, &settings(BounceEnd::Count(4), kept));
+        let monochrome = Monochrome::new(&baked.transfer);
+        // Painted anew: what bounced is as it was baked, in both.
+        for (k, albedo) in baked.points.albedo.iter_mut().enumerate() {
+            *albedo = [0.1, 0.5, 0.9].map(|c| c * (1.0 + k as f32).recip().sqrt());
+        }
+        let white = Light::parse("sky:overcast?color=1,0.5,0.2").unwrap();
+        for light in [three_colours(), white.project(Bands::new(3).unwrap()).unwrap()] {
+            let expected = shade_diffuse(&baked, &light);
+            let found = shade_monochrome(&monochrome, &baked.points, &light).unwrap();
+            let largest = expected.iter().map(|radiance| radiance.max_element()).fold(0.0, f32::max);
+            for (found, expected) in found.iter().zip(&expected) {
+                // Some tens of roundings of sums of nine products.
+                assert!((found - expected).abs().max_element() <= 2e-6 * largest, "{found} {expected}");
+            }
+        }
+        let fewer = LightingPoints { albedo: vec![[1.0; 3]], ..LightingPoints::default() };
+        let message = shade_monochrome(&monochrome, &fewer, &black()).unwrap_err().to_string();
+        assert!(message.contains("asked to light 1 others"), "{message}");
+    }
+}
+
+#[test]
+fn monochrome_transfer_of_colourful_surfaces_keeps_the_luminance_that_arrives_and_loses_its_colour() {
+    let baked = baked(&colourful(), &settings(BounceEnd::Count(3), KeptBounces::Sum));
+    let mut white_points = baked.clone();
+    white_points.points.albedo.fill([1.0; 3]);
+    white_points.points.emission = None;
+    let light = Light::parse("sky:overcast").unwrap().project(Bands::new(3).unwrap()).unwrap();
+    let expected = shade_diffuse(&white_points, &light);
+    let monochrome = Monochrome::new(&baked.transfer);
+    let found = shade_monochrome(&monochrome, &white_points.points, &light).unwrap();
+    let luminance = |v: &Vec3| v.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+    let mut differ = 0;
+    for (found, expected) in found.iter().zip(&expected) {
+        let bound = 4e-6 * expected.max_element().max(1.0);
+        assert!((luminance(found) - luminance(expected)).abs() <= bound, "{found} {expected}");
+        differ += usize::from((found - expected).abs().max_element() > 0.02 * expected.max_element());
+    }
+    assert!(differ > found.len() / 4, "{differ} of {}", found.len());
+    let direct = Transfer { bounced: None, ..baked.transfer.clone() };
+    assert!(Monochrome::new(&direct).rows().eq(baked.transfer.rows()));
 }

@@ -257,6 +257,6 @@ impl Light {
 }
 
 /// Relative luminance of linear Rec. 709 RGB.
-fn luminance(radiance: Vec3) -> f64 {
+pub(crate) fn luminance(radiance: Vec3) -> f64 {
     DVec3::new(0.2126, 0.7152, 0.0722).dot(radiance.as_dvec3())
 }

@@ -4,6 +4,7 @@
 //! | --- | --- | --- |
 //! | [`shade_diffuse`] | one, from far away | 3n² multiply-adds; n² where it has one colour |
 //! | [`shade_diffuse_under`] | another at each point: [`Incident`] | the same, and what the light costs |
+//! | [`shade_monochrome`] | one, from far away; bounced light without its colours | 3n² multiply-adds; n² where it has one colour |
 //! | [`shade_linear`] | 2 bands, no shadows, nothing baked | 4 multiply-adds a channel |
 
 mod ball;
@@ -13,6 +14,7 @@ mod diffuse;
 pub mod grey;
 mod incident;
 mod linear;
+mod monochrome;
 mod near;
 mod ringing;
 
@@ -20,5 +22,6 @@ pub use ball::{Ball, Cap, Shadowed, dim};
 pub use diffuse::shade_diffuse;
 pub use incident::{Far, Incident, shade_diffuse_under};
 pub use linear::{LinearIrradiance, shade_linear};
+pub use monochrome::{Monochrome, shade_monochrome};
 pub use near::{AtEachPoint, Blend, LightSamples, MAX_SAMPLES, Project};
 pub use ringing::least_nonnegative_at_points;
