@@ -71,6 +71,7 @@ struct Tail {
     /// Records that are not written yet.
     pending: Vec<u8>,
     written: Instant,
+    has_failed: bool,
 }
 
 /// When the system was asked last.
@@ -154,7 +155,7 @@ impl Checkpoint {
             return Err(of_path(error));
         }
         let sync = DiskSync { file: file.try_clone().map_err(of_path)?, due: Instant::now() + SYNC_INTERVAL };
-        let tail = Tail { file, length, pending: Vec::new(), written: Instant::now() };
+        let tail = Tail { file, length, pending: Vec::new(), written: Instant::now(), has_failed: false };
         Ok(Self {
             path,
             output: output.to_owned(),
@@ -238,13 +239,20 @@ impl Journal for Checkpoint {
 }
 
 impl Tail {
-    /// Appends what is pending; what a failure leaves of it is taken back.
+    /// Appends what is pending. After a failure the file ends with the last whole record, and stays so.
     fn write(&mut self) -> io::Result<()> {
+        if self.has_failed {
+            return Ok(());
+        }
         let pending = std::mem::take(&mut self.pending);
         let written =
             self.file.seek(SeekFrom::Start(self.length)).and_then(|_| self.file.write_all(&pending));
         if let Err(error) = written {
-            let _ = self.file.set_len(self.length);
+            self.has_failed = true;
+            let file_length = self.file.metadata()?.len();
+            self.length =
+                Contents::read(&mut self.file, file_length)?.map_or(self.length, |whole| whole.length);
+            self.file.set_len(self.length)?;
             return Err(error);
         }
         self.length += pending.len() as u64;
