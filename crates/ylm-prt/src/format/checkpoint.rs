@@ -362,6 +362,12 @@ fn identity(settings: &BakeSettings, points: &LightingPoints, blockers: &Blocker
         hash.update((part.len() as u64).to_le_bytes());
         hash.update(part);
     }
+    // Where light bounces, the materials decide as well.
+    let bounces = (settings.kind.name() == "interreflected").then(|| {
+        hash.update(bytemuck::cast_slice::<_, u8>(&points.albedo));
+        hash.update(bytemuck::cast_slice::<_, u8>(points.emission.as_deref().unwrap_or(&[])));
+        format!("{:?}, kept: {:?}", settings.bounces.end, settings.bounces.kept)
+    });
     let scene: String = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
     let identity = json!({
         "ylm_version": env!("CARGO_PKG_VERSION"),
@@ -372,6 +378,7 @@ fn identity(settings: &BakeSettings, points: &LightingPoints, blockers: &Blocker
         "seed": settings.seed,
         "bias": settings.bias,
         "tmax": settings.t_max.is_finite().then_some(settings.t_max),
+        "bounces": bounces,
     });
     match identity {
         Value::Object(identity) => identity,
@@ -390,7 +397,7 @@ fn differences(there: &Map<String, Value>, here: &Map<String, Value>) -> Vec<Str
     let differing = names.filter(|name| there.get(*name) != here.get(*name));
     differing
         .map(|name| match name.as_str() {
-            "scene_sha256" => "the models".to_owned(),
+            "scene_sha256" => "the models or their materials".to_owned(),
             _ => format!("{name} {} there, {} here", value(there, name), value(here, name)),
         })
         .collect()

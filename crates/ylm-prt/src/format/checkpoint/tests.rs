@@ -192,7 +192,7 @@ fn a_checkpoint_of_another_bake_is_refused_with_what_differs() {
     }
     let other = Bench { points: LightingPoints { positions: vec![Vec3::ONE; 144], ..bowl() }, ..bench };
     let text = other.refusal(&settings(), Existing::Resume);
-    assert!(text.contains("is of another bake: the models; "), "{text}");
+    assert!(text.contains("is of another bake: the models or their materials; "), "{text}");
     let text = other.refusal(&settings(), Existing::Refuse);
     assert!(text.contains("--resume"), "{text}");
     assert_eq!(fs::read(other.part()).unwrap(), before, "and is left as it was");
