@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 mod bake;
 mod bake_error;
+mod bake_half;
 mod basis;
 mod bounce_error;
 mod cheap_forms;
@@ -47,6 +48,7 @@ const BENCHES: &[Bench] = &[
     ("bake-memory", bake::run_memory),
     ("bake-error", bake_error::run),
     ("bounce-error", bounce_error::run),
+    ("bake-half", bake_half::run),
     ("basis", basis::run),
     ("cheap-forms", cheap_forms::run),
     ("local-light", local_light::run),

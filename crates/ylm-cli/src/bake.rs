@@ -63,7 +63,7 @@ pub struct Arguments {
     /// Where rays end, in the models' units: what is farther away does not block (default: nowhere)
     #[arg(long = "tmax", value_parser = options::positive, value_name = "D")]
     t_max: Option<f32>,
-    /// Store transfer as 16-bit floats: half the size, an error of about 0.02 % of vertex radiance
+    /// Store transfer as 16-bit floats: half the size; docs/results/bake.md has the error
     #[arg(long)]
     half: bool,
     /// Go on with an interrupted bake from BAKED.part, to the same bytes; begin anew where there is none

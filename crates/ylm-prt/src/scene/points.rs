@@ -38,7 +38,8 @@ impl LightingPoints {
     /// [Green03] "SH Lighting Diffuse Surfaces"
     pub fn from_mesh(mesh: &Mesh) -> Result<Self> {
         let has_area = |corners: &[u32; 3]| triangle_normal(&mesh.positions, *corners).is_some();
-        let lit: Vec<usize> = (0..mesh.triangles.len()).filter(|&t| has_area(&mesh.triangles[t])).collect();
+        let lit: Vec<u32> =
+            (0..mesh.triangles.len() as u32).filter(|&t| has_area(&mesh.triangles[t as usize])).collect();
         if lit.is_empty() {
             let what = if mesh.triangles.is_empty() { "has no faces" } else { "has only faces without area" };
             return Err(Error::Request(format!("the mesh {what}; there is nothing to light")));
@@ -49,13 +50,15 @@ impl LightingPoints {
         let mut points = Self { triangles: vec![[0; 3]; lit.len()], ..Self::default() };
         let mut emission = Vec::new();
         let mut point_of: HashMap<[u32; 7], u32> = HashMap::new();
-        for (triangle, k) in corners_by_position(mesh, &lit) {
-            let position = without_negative_zero(mesh.positions[mesh.triangles[lit[triangle]][k] as usize]);
-            let normal = without_negative_zero(normals.vectors[normals.triangles[lit[triangle]][k] as usize]);
+        for corner in corners_by_position(mesh, &lit) {
+            let (triangle, k) = (corner as usize / 3, corner as usize % 3);
+            let lit_triangle = lit[triangle] as usize;
+            let position = without_negative_zero(mesh.positions[mesh.triangles[lit_triangle][k] as usize]);
+            let normal = without_negative_zero(normals.vectors[normals.triangles[lit_triangle][k] as usize]);
             let [[px, py, pz], [nx, ny, nz]] = [position, normal].map(|v| v.to_array().map(f32::to_bits));
-            let key = [px, py, pz, nx, ny, nz, material_ids.of_corner(mesh, lit[triangle], k)];
+            let key = [px, py, pz, nx, ny, nz, material_ids.of_corner(mesh, lit_triangle, k)];
             let point = *point_of.entry(key).or_insert_with(|| {
-                let material = mesh.material(lit[triangle], k);
+                let material = mesh.material(lit_triangle, k);
                 points.positions.push(position);
                 points.normals.push(normal);
                 points.albedo.push(material.albedo);
@@ -102,10 +105,23 @@ impl MaterialIds {
     }
 }
 
-/// The corners of the triangles `lit`, as (index in `lit`, corner), ordered by the index of their position.
-fn corners_by_position(mesh: &Mesh, lit: &[usize]) -> Vec<(usize, usize)> {
-    let mut corners: Vec<(usize, usize)> = (0..lit.len()).flat_map(|t| [(t, 0), (t, 1), (t, 2)]).collect();
-    corners.sort_by_key(|&(t, k)| mesh.triangles[lit[t]][k]);
+/// The corners of the triangles `lit`, as three times the index in `lit` plus the corner, ordered by the index of their
+/// position: a counting sort.
+fn corners_by_position(mesh: &Mesh, lit: &[u32]) -> Vec<u64> {
+    let positions = || lit.iter().flat_map(|&triangle| mesh.triangles[triangle as usize]);
+    let mut places = vec![0u64; mesh.positions.len() + 1];
+    for position in positions() {
+        places[position as usize + 1] += 1;
+    }
+    for position in 0..mesh.positions.len() {
+        places[position + 1] += places[position];
+    }
+    let mut corners = vec![0u64; 3 * lit.len()];
+    for (corner, position) in positions().enumerate() {
+        let place = &mut places[position as usize];
+        corners[*place as usize] = corner as u64;
+        *place += 1;
+    }
     corners
 }
 

@@ -1,12 +1,12 @@
 //! obvhs builds a binary hierarchy; this collapses it to nodes of eight children.
 
-use std::time::Duration;
-
 use glam::{Vec3, Vec3A};
-use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
+use obvhs::bvh2::leaf_collapser::collapse;
+use obvhs::bvh2::node::Bvh2Node;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::{PlocBuilder, SortPrecision};
 
 use super::Bvh;
 use super::lanes::Isa;
@@ -17,30 +17,53 @@ use super::traverse::power_of_two_below;
 /// with blocks of one.
 const MAX_COLLAPSED_DEPTH: usize = MAX_DEPTH - 12;
 
+/// How many neighbours along the Morton curve a cluster looks at for its partner.
+const SEARCH_DISTANCE: usize = 14;
+
+/// Leaves of the binary hierarchy hold so many at most; half a block, so that leaves can share one.
+const MAX_TRIANGLES_PER_LEAF: u32 = 4;
+
 /// Builds nodes and blocks of a mesh.
 pub fn build(positions: &[Vec3], triangles: &[[u32; 3]]) -> Bvh {
     let extent = positions.iter().fold(0.0f32, |extent, p| extent.max(p.abs().max_element()));
     let scale = if extent > 0.0 { power_of_two_below(1.0 / extent) } else { 1.0 };
     let corners = Corners { positions, triangles, scale };
-    // Boxes only, and freed before the nodes are made: building then takes no more memory than baking.
-    let boxes: Vec<Aabb> = (0..triangles.len()).map(|i| Aabb::from_points(&corners.of(i))).collect();
-    let params = BvhBuildParams {
-        max_prims_per_leaf: 4,
-        collapse_traversal_cost: 1.0,
-        ..BvhBuildParams::very_slow_build()
-    };
-    let binary = build_bvh2(&boxes, params, &mut Duration::default());
-    drop(boxes);
+    let binary = binary(corners);
     let mut collapse = Collapse::new(&binary, corners);
     if triangles.is_empty() {
         collapse.nodes.push(Node::EMPTY);
     } else {
         collapse.node(Subtree::Binary(0), 0);
     }
-    let Collapse { mut nodes, mut blocks, .. } = collapse;
-    nodes.shrink_to_fit();
-    blocks.shrink_to_fit();
+    let Collapse { nodes, blocks, .. } = collapse;
     Bvh { nodes, blocks, scale, diagonal: diagonal(positions, scale), isa: Isa::best() }
+}
+
+/// The binary hierarchy: what [`obvhs::bvh2::builder::build_bvh2`] does at `very_slow_build`, with the memory of each
+/// step freed before the next, no boxes beside the leaves, and codes of 21 bits an axis to sort them by.
+fn binary(corners: Corners) -> Bvh2 {
+    let count = corners.triangles.len();
+    let mut binary = Bvh2::zeroed(0);
+    if count == 0 {
+        return binary;
+    }
+    binary.primitive_indices = (0..count as u32).collect();
+    let mut builder = PlocBuilder::new();
+    let mut total = Aabb::empty();
+    builder.current_nodes = (0..count)
+        .map(|i| {
+            let aabb = Aabb::from_points(&corners.of(i));
+            total = total.union(&aabb);
+            Bvh2Node::new(aabb, 1, i as u32)
+        })
+        .collect();
+    builder.build_ploc_from_leaves::<SEARCH_DISTANCE, false>(&mut binary, total, SortPrecision::U64, 1);
+    drop(builder);
+    ReinsertionOptimizer::default().run(&mut binary, 1.0, None);
+    collapse(&mut binary, MAX_TRIANGLES_PER_LEAF, 1.0);
+    ReinsertionOptimizer::default().run(&mut binary, 1.0, None);
+    binary.parents = Vec::new();
+    binary
 }
 
 /// The diagonal of the positions' bounding box, times `scale`.
@@ -87,7 +110,11 @@ struct Collapse<'a> {
 impl<'a> Collapse<'a> {
     fn new(binary: &'a Bvh2, corners: Corners<'a>) -> Self {
         let counts = triangle_counts(binary);
-        Self { binary, corners, counts, nodes: Vec::new(), blocks: Vec::new() }
+        // Room for all blocks, and for the nodes of most scenes: to grow, storage of this alignment is copied, which
+        // would be the peak of the whole bake. What stays empty is never touched, and so takes no memory.
+        let leaf_count = binary.nodes.iter().filter(|node| node.is_leaf()).count();
+        let (nodes, blocks) = (Vec::with_capacity(leaf_count / 3 + 1), Vec::with_capacity(leaf_count));
+        Self { binary, corners, counts, nodes, blocks }
     }
 
     /// Makes a node of `subtree` and everything below it; returns its index.
