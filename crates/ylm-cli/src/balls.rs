@@ -55,6 +55,11 @@ pub struct Stage {
 }
 
 impl BallOptions {
+    /// Balls that each vertex sees.
+    pub fn of(balls: Vec<Ball>) -> Self {
+        Self { balls, ball_shadow: BallShadow::Vertex }
+    }
+
     /// The balls.
     pub fn balls(&self) -> &[Ball] {
         &self.balls

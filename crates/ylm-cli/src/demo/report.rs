@@ -8,21 +8,21 @@ pub struct Report {
     pub scene: String,
     /// Name and value of what was measured about the bake.
     pub facts: Vec<(String, String)>,
-    /// One section a light.
+    /// In the order of the page.
     pub sections: Vec<Section>,
 }
 
-/// The pictures under one light.
+/// Pictures of one subject.
 pub struct Section {
     /// "Overcast sky".
     pub title: String,
-    /// What to type for this light.
-    pub light: String,
+    /// What to type for it.
+    pub command: String,
     /// Why it is shown.
     pub text: String,
-    /// Left to right.
+    /// In reading order.
     pub figures: Vec<Figure>,
-    /// Cells of this light's row in the table of numbers; see [`NUMBER_COLUMNS`].
+    /// Cells of this section's row in the table of numbers, see [`NUMBER_COLUMNS`]; none for no row.
     pub numbers: Vec<String>,
     /// The same for `--json`.
     pub json: serde_json::Value,
@@ -38,6 +38,16 @@ pub struct Figure {
     pub text: String,
     /// Pixels, so that the page does not jump while it loads.
     pub size: (usize, usize),
+    /// Whether it takes the page's whole width.
+    pub is_wide: bool,
+}
+
+impl Figure {
+    /// The figure across the page.
+    #[must_use]
+    pub fn wide(self) -> Self {
+        Self { is_wide: true, ..self }
+    }
 }
 
 /// Heads of [`Section::numbers`].
@@ -57,7 +67,8 @@ pub fn html(report: &Report) -> String {
         .map(|(name, value)| format!("<tr><td>{}</td><td>{}</td></tr>\n", escape(name), escape(value)))
         .collect();
     let heads: String = NUMBER_COLUMNS.iter().map(|head| format!("<th>{head}</th>")).collect();
-    let rows: String = report.sections.iter().map(number_row).collect();
+    let rows: String =
+        report.sections.iter().filter(|section| !section.numbers.is_empty()).map(number_row).collect();
     let _ = write!(
         page,
         r#"<!doctype html>
@@ -71,7 +82,7 @@ pub fn html(report: &Report) -> String {
 <h1>Light transport, baked once, relit at will</h1>
 <p class="lead">{scene}</p>
 <figure><img src="contact-sheet.png" alt="All pictures of this page on one sheet">
-<figcaption><b>Contact sheet</b><span>One row a light; from left to right: unshadowed, shadowed, reference, error</span></figcaption></figure>
+<figcaption><b>Contact sheet</b><span>One row for each of the first four lights; from left to right: unshadowed, shadowed, reference, error</span></figcaption></figure>
 {section_text}
 <h2>Numbers</h2>
 <p>Errors are relative L2 distances of vertex radiance to the brute-force reference, ‖a − b‖ / ‖b‖. The reference lights
@@ -97,8 +108,9 @@ fn section_html(section: &Section) -> String {
         .iter()
         .map(|figure| {
             format!(
-                "<figure><img src=\"{}\" width=\"{}\" height=\"{}\" loading=\"lazy\" alt=\"{title}, {}\">\n\
+                "<figure{}><img src=\"{}\" width=\"{}\" height=\"{}\" loading=\"lazy\" alt=\"{title}, {}\">\n\
                  <figcaption><b>{title}</b><span>{}</span></figcaption></figure>\n",
+                if figure.is_wide { " class=\"wide\"" } else { "" },
                 escape(&figure.file),
                 figure.size.0,
                 figure.size.1,
@@ -109,10 +121,10 @@ fn section_html(section: &Section) -> String {
         })
         .collect();
     format!(
-        "<h2>{}</h2>\n<p>{} <code>--light \"{}\"</code></p>\n<div class=\"row\">\n{figures}</div>\n",
+        "<h2>{}</h2>\n<p>{} <code>{}</code></p>\n<div class=\"row\">\n{figures}</div>\n",
         escape(&section.title),
         escape(&section.text),
-        escape(&section.light),
+        escape(&section.command),
     )
 }
 
