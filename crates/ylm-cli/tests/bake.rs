@@ -160,8 +160,8 @@ mod interrupted {
     }
 
     /// Starts a bake, and waits until its checkpoint holds this share of its result, or it has ended.
-    fn started(place: &Place, share: f64) -> Child {
-        let mut command = place.command(BAKE);
+    fn started(place: &Place, bake: &str, share: f64) -> Child {
+        let mut command = place.command(bake);
         let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
         let part = place.path("sheet.safetensors.part");
         while length(&part) < (share * VALUE_BYTES as f64) as u64 && child.try_wait().unwrap().is_none() {
@@ -170,26 +170,38 @@ mod interrupted {
         child
     }
 
-    #[test]
-    fn a_bake_killed_at_ten_moments_goes_on_to_the_bytes_of_one_that_was_not() {
-        let place = sheet();
-        place.json(BAKE);
+    /// Kills a bake at so many moments, and each time goes on to the bytes of one that was not; tells how many points
+    /// each had not to bake again.
+    fn killed(place: &Place, bake: &str, moments: u32) -> Vec<u64> {
+        place.json(bake);
         let output = place.path("sheet.safetensors");
         let whole = fs::read(&output).unwrap();
-        let mut resumed = Vec::new();
-        for moment in 0..10 {
+        let resumed = (0..moments).map(|moment| {
             fs::remove_file(&output).unwrap();
             // Anywhere from before the first write to after the last; when the signal comes is the machine's choice.
-            let mut child = started(&place, (f64::from(moment) * 0.618 + 0.05).fract());
+            let mut child = started(place, bake, (f64::from(moment) * 0.618 + 0.05).fract());
             child.kill().unwrap();
             child.wait().unwrap();
-            let bake = place.json(&format!("{BAKE} --resume"));
+            let resumed = place.json(&format!("{bake} --resume"));
             assert!(fs::read(&output).unwrap() == whole, "moment {moment}");
             assert_eq!(place.files(), ["cube.obj", "sheet.obj", "sheet.safetensors"]);
-            resumed.push(bake["resumed_points"].as_u64().unwrap());
-        }
+            resumed["resumed_points"].as_u64().unwrap()
+        });
+        resumed.collect()
+    }
+
+    #[test]
+    fn a_bake_killed_at_ten_moments_goes_on_to_the_bytes_of_one_that_was_not() {
+        let resumed = killed(&sheet(), BAKE, 10);
         // Bakes went on, and did not all begin anew.
         assert!(resumed.iter().filter(|&&points| points > 0).count() >= 3, "{resumed:?}");
+    }
+
+    #[test]
+    fn a_killed_bake_of_bounces_goes_on_to_the_same_bytes() {
+        let bake = format!("{BAKE} --transfer interreflected --bounces 2 --albedo 0.6");
+        let resumed = killed(&sheet(), &bake.replace("4096", "2048"), 4);
+        assert!(resumed.iter().any(|&points| points > 0), "{resumed:?}");
     }
 
     #[test]
