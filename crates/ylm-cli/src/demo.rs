@@ -1,5 +1,6 @@
 //! `ylm demo`: the built-in scene, baked and relit, with a report.
 
+mod bounce;
 mod day;
 mod looking;
 mod near;
@@ -71,6 +72,8 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
         sections.push(section);
         sheet.extend(pictures);
     }
+    output.step("letting light bounce in the room");
+    sections.push(bounce::section(arguments)?);
     let more = [day::section, near::lamp_section, near::ball_section, ringing::section, looking::section];
     for section in more {
         let section = section(&demo, arguments)?;
@@ -186,10 +189,22 @@ fn draw(
     bvh: &Bvh,
     colours: Colours,
     radiance: &[Vec3],
+    size: (usize, usize),
+) -> Result<Image> {
+    draw_from(CameraPlace::default(), points, bvh, colours, radiance, size)
+}
+
+/// Points from any place.
+fn draw_from(
+    place: CameraPlace,
+    points: &LightingPoints,
+    bvh: &Bvh,
+    colours: Colours,
+    radiance: &[Vec3],
     (width, height): (usize, usize),
 ) -> Result<Image> {
     let raster = Raster { width, height, ..Raster::default() };
-    let camera: Camera = CameraPlace::default().camera(&points.positions, raster.aspect())?;
+    let camera: Camera = place.camera(&points.positions, raster.aspect())?;
     render_in(colours, points, bvh, radiance, &camera, &raster, &backdrop(BACKDROP))
 }
 

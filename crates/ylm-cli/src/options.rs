@@ -77,6 +77,13 @@ pub struct CameraPlace {
 const FIT_MARGIN: f32 = 0.08;
 
 impl CameraPlace {
+    /// Around the model by azimuth and elevation in degrees, all of it in view.
+    pub fn at(azimuth: f32, elevation: f32) -> Self {
+        let view =
+            View { azimuth: azimuth.to_radians(), elevation: elevation.to_radians(), ..View::default() };
+        Self { view, distance: None }
+    }
+
     /// The camera for a model and a picture of this width over height.
     pub fn camera(&self, positions: &[Vec3], aspect: f32) -> PrtResult<Camera> {
         match self.distance {

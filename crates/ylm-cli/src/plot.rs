@@ -12,8 +12,9 @@ use ylm_plot::{
 use ylm_prt::error::{Error, Result};
 use ylm_prt::file::write_atomically;
 use ylm_prt::format::read_baked;
-use ylm_prt::light::Source;
+use ylm_prt::light::{LightCoeffs, Source};
 use ylm_prt::render::ToneMap;
+use ylm_prt::transfer::Baked;
 
 use crate::info::Kind;
 use crate::interrupt;
@@ -180,13 +181,11 @@ fn transfer(arguments: &Arguments) -> Result<Plot> {
     let baked = read_baked(Path::new(&arguments.subject))?;
     let count = baked.points.positions.len();
     let bands = arguments.bands.map_or(baked.transfer.bands, |bands| bands.min(baked.transfer.bands));
-    let whole = match arguments.point {
-        Some(point) => baked.transfer.rows().nth(point).map(<[f32]>::to_vec).ok_or_else(|| {
-            let last = count - 1;
-            Error::Request(format!("{}: there is no point {point}; they are 0 to {last}", arguments.subject))
-        })?,
-        None => mean(baked.transfer.rows(), baked.transfer.bands),
-    };
+    if let Some(point) = arguments.point.filter(|&point| point >= count) {
+        let last = count - 1;
+        let what = format!("{}: there is no point {point}; they are 0 to {last}", arguments.subject);
+        return Err(Error::Request(what));
+    }
     let words = match arguments.point {
         Some(point) => format!("point {point}"),
         None => format!("the mean of {count} points"),
@@ -194,7 +193,7 @@ fn transfer(arguments: &Arguments) -> Result<Plot> {
     let name = Path::new(&arguments.subject).file_name().unwrap_or_default().to_string_lossy();
     let subject = Subject {
         title: format!("Transfer of {name}, {words}"),
-        function: Function::grey(whole[..bands.coeff_count()].to_vec())?,
+        function: whole_transfer(&baked, arguments.point, bands)?,
         original: None,
     };
     let mut plot = draw(arguments, &subject, Vec3::ONE, "transfer")?;
@@ -203,13 +202,34 @@ fn transfer(arguments: &Arguments) -> Result<Plot> {
     Ok(plot)
 }
 
-/// Sums in f64 of any number of rows in order.
-fn mean<'a>(rows: impl ExactSizeIterator<Item = &'a [f32]>, bands: Bands) -> Vec<f32> {
-    let count = rows.len().max(1) as f64;
-    let mut sums = vec![0.0; bands.coeff_count()];
-    for row in rows {
+/// The transfer of a point, or the mean over all: one channel, or three where light bounced.
+fn whole_transfer(baked: &Baked, point: Option<usize>, bands: Bands) -> Result<Function> {
+    let width = baked.transfer.bands.coeff_count();
+    let of = |rows: &[f32], width: usize| match point {
+        Some(point) => rows[point * width..][..width].to_vec(),
+        None => mean(rows, width),
+    };
+    let direct = of(&baked.transfer.vectors, width);
+    let Some(bounced) = &baked.transfer.bounced else {
+        return Function::grey(direct[..bands.coeff_count()].to_vec());
+    };
+    let mut channels: [Vec<f32>; 3] = std::array::from_fn(|_| direct.clone());
+    for layer in &bounced.layers {
+        let more = of(layer, 3 * width);
+        for (channel, more) in channels.iter_mut().zip(more.chunks_exact(width)) {
+            channel.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+        }
+    }
+    Ok(Function::rgb(&LightCoeffs { bands: baked.transfer.bands, channels }.resized(bands)))
+}
+
+/// The mean of rows, in f64 and in order.
+fn mean(rows: &[f32], width: usize) -> Vec<f32> {
+    let mut sums = vec![0.0; width];
+    for row in rows.chunks_exact(width) {
         sums.iter_mut().zip(row).for_each(|(sum, &value)| *sum += f64::from(value));
     }
+    let count = (rows.len() / width).max(1) as f64;
     sums.into_iter().map(|sum| (sum / count) as f32).collect()
 }
 

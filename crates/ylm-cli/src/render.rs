@@ -120,6 +120,8 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     options::check_destination(&arguments.output, &[&arguments.baked], &arguments.light)?;
     let start = Instant::now();
     let baked = read_baked(&arguments.baked)?;
+    let baked =
+        arguments.view.transport_of(baked).map_err(|error| error::Error::file(&arguments.baked, error))?;
     let (light, suns) = arguments.options.read_with_suns(&arguments.light, output)?;
     let stage = arguments.balls.stage(&baked)?;
     output.step(&format!(
@@ -179,7 +181,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     let value = json!({
         "output": path_value(&arguments.output), "size": [width, height], "light": arguments.light, "repaired": options::repaired_count(&light), "suns": options::suns_value(suns.as_deref()), "shading": shading,
         "bands": baked.transfer.bands.count(), "light_bands": arguments.light_bands.map(Bands::count),
-        "band": arguments.view.band(), "scale": view::scale_value(colours), "near": arguments.near.json(&light),
+        "band": arguments.view.band(), "bounce": arguments.view.bounce(), "scale": view::scale_value(colours), "near": arguments.near.json(&light),
         "balls": arguments.balls.json(), "window": choice.value(window),
         "points": shaded.radiance.len(), "radiance": shaded.statistics(), "noise": shaded.noise,
         "shade_seconds": shade_seconds, "render_seconds": render_seconds, "seconds": start.elapsed().as_secs_f64(),
@@ -224,7 +226,7 @@ fn shade(
 ) -> error::Result<Shaded> {
     let coeffs = |bands| light.project(bands)?.windowed_by(window);
     match (arguments.shading, arguments.light_bands) {
-        (Shading::Diffuse | Shading::Band | Shading::Negative, _) => {
+        (Shading::Diffuse | Shading::Band | Shading::Bounce | Shading::Negative, _) => {
             let part = |light| arguments.view.part_of(light);
             if light.is_local() {
                 return light_near_points(arguments, baked, light, window, &part);

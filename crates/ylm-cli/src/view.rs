@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use ylm_prt::error::Result;
 use ylm_prt::light::LightCoeffs;
 use ylm_prt::render::Colours;
+use ylm_prt::transfer::Baked;
 
 use crate::options;
 
@@ -19,6 +20,8 @@ pub enum Shading {
     Band,
     /// As diffuse, its luminance in grey; in red, by magnitude, what has a negative channel
     Negative,
+    /// What --bounce alone adds, of a bake with --keep-bounces
+    Bounce,
 }
 
 /// Past the model in false colours: darker than any of them, so that the model's outline is seen.
@@ -42,6 +45,9 @@ pub struct ViewOptions {
     /// The band of --shading band, from 0
     #[arg(long, value_name = "L", required_if_eq("shading", "band"))]
     band: Option<usize>,
+    /// The bounce of --shading bounce: 0 for direct light, 1 for light that was reflected once
+    #[arg(long, value_name = "B", required_if_eq("shading", "bounce"))]
+    bounce: Option<usize>,
     /// The luminance that false colours show as their last (default: the largest there is)
     #[arg(long, value_parser = options::positive, value_name = "LUMINANCE")]
     full: Option<f32>,
@@ -55,6 +61,9 @@ impl ViewOptions {
     pub fn check(&self, shading: Shading) -> std::result::Result<(), String> {
         if self.band.is_some() && shading != Shading::Band {
             return Err("--band is for --shading band".to_owned());
+        }
+        if self.bounce.is_some() && shading != Shading::Bounce {
+            return Err("--bounce is for --shading bounce".to_owned());
         }
         if self.full.is_some() && !shading.is_false_colour() {
             return Err(format!("--full is for false colours, and --shading {} has none", shading.name()));
@@ -73,10 +82,21 @@ impl ViewOptions {
         }
     }
 
+    /// The part of the scene's light transport that is shown.
+    ///
+    /// # Errors
+    /// If the bake does not have the bounce.
+    pub fn transport_of(&self, baked: Baked) -> Result<Baked> {
+        match self.bounce {
+            Some(bounce) => baked.only_bounce(bounce),
+            None => Ok(baked),
+        }
+    }
+
     /// How radiance is coloured.
     pub fn colours(&self, shading: Shading, radiance: &[Vec3]) -> Colours {
         match (shading, self.full) {
-            (Shading::Diffuse | Shading::Reference, _) => Colours::Radiance,
+            (Shading::Diffuse | Shading::Reference | Shading::Bounce, _) => Colours::Radiance,
             (Shading::Band, Some(full)) => Colours::Signed { full },
             (Shading::Band, None) => Colours::signed_to_fit(radiance),
             (Shading::Negative, full) => match (Colours::negative_to_fit(radiance), full) {
@@ -84,6 +104,11 @@ impl ViewOptions {
                 (fit, _) => fit,
             },
         }
+    }
+
+    /// For `--json`.
+    pub fn bounce(&self) -> Option<usize> {
+        self.bounce
     }
 
     /// For `--json`.

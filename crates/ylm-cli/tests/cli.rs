@@ -75,6 +75,41 @@ fn a_plot_shows_lights_transfer_and_the_basis_as_svg_and_png() {
     assert_eq!(place.files(), before);
 }
 
+/// Two walls that face each other, a step apart.
+const WALLS: &str = "v 0 0 0\nv 0 1 0\nv 0 1 1\nv 0 0 1\nv 1 0 0\nv 1 1 0\nv 1 1 1\nv 1 0 1\nf 1 2 3 4\nf 8 7 6 5\n";
+
+#[test]
+fn bounces_alone_add_up_where_the_bake_kept_them_apart() {
+    let place = Place::new();
+    fs::write(place.path("walls.obj"), WALLS).unwrap();
+    let bake = "bake walls.obj --bands 3 --rays 256 --transfer interreflected --bounces 2 --albedo 0.5";
+    place.json(&format!("{bake} --keep-bounces -o each.safetensors"));
+    place.json(&format!("{bake} -o sum.safetensors"));
+    let light = "--light white --size 32x32";
+    let mean = |render: &Value| render["radiance"]["mean"][1].as_f64().unwrap();
+    let whole = place.json(&format!("render sum.safetensors {light} -o whole.exr"));
+    let bounces: Vec<f64> = (0..3)
+        .map(|b| {
+            let arguments = format!("render each.safetensors {light} -o b.png --shading bounce --bounce {b}");
+            mean(&place.json(&arguments))
+        })
+        .collect();
+    // Sums of 27 products below 1 in f32, in another order.
+    assert!((bounces.iter().sum::<f64>() - mean(&whole)).abs() <= 1e-6, "{bounces:?}");
+    assert!(bounces[0] > bounces[1] && bounces[1] > bounces[2] && bounces[2] > 0.0, "{bounces:?}");
+    assert_eq!(place.json("plot each.safetensors -o transfer.svg --view bars")["band_energies"][0].as_array().unwrap().len(), 3);
+    place.json("bake cube.obj -o cube.safetensors --rays 8 --bands 3");
+    for (file, bounce, word) in
+        [("each", 3, "1 to 2"), ("sum", 1, "--keep-bounces"), ("cube", 0, "not interreflected")]
+    {
+        let arguments = format!("render {file}.safetensors {light} -o no.png --shading bounce --bounce {bounce}");
+        let message = place.failure(&arguments, 1);
+        assert!(message.contains(word) && message.contains(file), "{message}");
+    }
+    place.failure("render each.safetensors --light white -o no.png --bounce 1", 2);
+    place.failure("render each.safetensors --light white -o no.png --shading bounce", 2);
+}
+
 #[test]
 fn bands_alone_add_up_and_are_shown_by_sign() {
     let place = Place::new();

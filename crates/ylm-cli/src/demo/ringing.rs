@@ -8,7 +8,7 @@ use ylm::window::least_nonnegative;
 use ylm_plot::{Development, Function, LatLong, Subject, View, figure};
 use ylm_prt::error::Result;
 use ylm_prt::image::{Decoded, Image, Picture};
-use ylm_prt::light::{Light, Probe, Source};
+use ylm_prt::light::{Light, LightCoeffs, Part, Probe, Source, SunSettings};
 use ylm_prt::render::{Colours, ToneMap, develop};
 
 use super::relight::relative_error;
@@ -27,8 +27,7 @@ pub fn section(demo: &Demo, arguments: &Arguments) -> Result<Section> {
     let original = LatLong::of_light(&light);
     let bands = arguments.bands;
     let plain = light.project(bands)?;
-    let window = least_nonnegative(bands, &plain.channels.concat())?;
-    let windowed = window.map_or_else(|| Ok(plain.clone()), |window| plain.windowed(window))?;
+    let windowed = damped(&plain)?;
     let reference = shading::reference(&demo.shadowed, &demo.bvh, &light, arguments.reference_rays)?;
     let noise = reference.noise.unwrap_or(0.0);
     let exposure = Exposure::Auto.stops(mean_radiance(&plain));
@@ -37,9 +36,19 @@ pub fn section(demo: &Demo, arguments: &Arguments) -> Result<Section> {
         Ok(develop(&image, exposure, ToneMap::Aces))
     };
     let (mut maps, mut pictures, mut numbers) = (Vec::new(), Vec::new(), Vec::new());
-    for (stem, title, coeffs) in
-        [("plain", "As projected", &plain), ("windowed", "With the weakest window", &windowed)]
-    {
+    // The sun as a light of its own: only it is damped, and the rest of the probe keeps its bands.
+    let (parted, suns) = light.extract_suns(&SunSettings::default())?;
+    let (sun_parts, rest_parts): (Vec<Part>, Vec<Part>) =
+        parted.parts().iter().cloned().partition(|part| matches!(part.source, Source::Disc(_)));
+    let rest = Light::new(rest_parts);
+    let sun = damped(&Light::new(sun_parts).project(bands)?)?;
+    let parted_coeffs = sum(&rest.project(bands)?, &sun);
+    let rest_map = LatLong::of_light(&rest);
+    for (stem, title, coeffs, original) in [
+        ("plain", "As projected", &plain, &original),
+        ("windowed", "With the weakest window", &windowed, &original),
+        ("parted", "Sun taken out, and it alone windowed", &parted_coeffs, &rest_map),
+    ] {
         let subject = Subject {
             title: format!("A probe with a small sun, {} bands: {}", bands.count(), title.to_lowercase()),
             function: Function::rgb(coeffs),
@@ -64,13 +73,34 @@ pub fn section(demo: &Demo, arguments: &Arguments) -> Result<Section> {
     Ok(Section {
         title: "A probe that rings".to_owned(),
         text: "A sun of three degrees is more than the bands hold: they answer with waves that are negative, magenta in the \
-               map. The weakest window that leaves no direction negative trades them for softer shadows."
+               map. The weakest window that leaves no direction negative trades them for softer light; with the sun taken out \
+               of the probe as a disc, only the sun pays for it."
             .to_owned(),
         command: "ylm plot probe.hdr --bands 6 --view map -o probe.svg".to_owned(),
         figures: maps,
         numbers: Vec::new(),
-        json: json!({ "plain": numbers[0], "windowed": numbers[1], "reference_noise": noise }),
+        json: json!({
+            "plain": numbers[0], "windowed": numbers[1], "parted": numbers[2], "reference_noise": noise,
+            "suns": suns.iter().map(|sun| json!({ "share": sun.share, "half_angle": sun.half_angle.to_degrees() })).collect::<Vec<_>>(),
+        }),
     })
+}
+
+/// The light with the weakest window that leaves it nowhere negative.
+fn damped(light: &LightCoeffs) -> Result<LightCoeffs> {
+    match least_nonnegative(light.bands, &light.channels.concat())? {
+        Some(window) => light.windowed(window),
+        None => Ok(light.clone()),
+    }
+}
+
+/// Two lights of the same bands together.
+fn sum(light: &LightCoeffs, other: &LightCoeffs) -> LightCoeffs {
+    let mut sum = light.clone();
+    for (channel, other) in sum.channels.iter_mut().zip(&other.channels) {
+        channel.iter_mut().zip(other).for_each(|(sum, other)| *sum += other);
+    }
+    sum
 }
 
 /// Half of the sun's width.

@@ -1,6 +1,7 @@
 //! What a bake leaves behind: points, transfer, and how they came about.
 
-use super::{BakeSettings, BounceEnd, Transfer, TransferKind};
+use super::{BakeSettings, BounceEnd, Bounced, Transfer, TransferKind};
+use crate::error::{Error, Result};
 use crate::scene::{Blockers, LightingPoints};
 
 /// A baked scene: everything that relighting needs, and nothing of the light.
@@ -14,6 +15,44 @@ pub struct Baked {
     pub transfer: Transfer,
     /// How it was made.
     pub record: BakeRecord,
+}
+
+impl Baked {
+    /// The scene as one bounce alone lights it: 0 is direct light with what the scene sends out, 1 what they leave after
+    /// one reflection. All bounces together are the scene.
+    ///
+    /// # Errors
+    /// If nothing bounced in the bake, the bounces were not kept apart, or there are not so many.
+    pub fn only_bounce(&self, bounce: usize) -> Result<Self> {
+        let refuse = |what: String| Err(Error::Request(what));
+        let Some(bounced) = &self.transfer.bounced else {
+            return refuse("nothing bounced in this bake: its transfer is not interreflected".to_owned());
+        };
+        let count = bounced.energies.len();
+        if !bounced.is_kept_apart() {
+            return refuse(format!(
+                "the bake kept the sum of its {count} bounces: bake it with --keep-bounces"
+            ));
+        }
+        if bounce > count {
+            return refuse(format!(
+                "bounce {bounce} is not there: the bake has 1 to {count}, and 0 is direct light"
+            ));
+        }
+        let mut alone = self.clone();
+        let layer =
+            |layers: &[Vec<f32>]| bounce.checked_sub(1).map(|b| layers[b].clone()).into_iter().collect();
+        alone.transfer.bounced = Some(Bounced {
+            layers: layer(&bounced.layers),
+            emitted: bounced.emitted.get(bounce).cloned().into_iter().collect(),
+            energies: bounced.energies.clone(),
+        });
+        if bounce > 0 {
+            alone.transfer.vectors.fill(0.0);
+            alone.points.emission = None;
+        }
+        Ok(alone)
+    }
 }
 
 /// How a bake was made: enough to make it again, byte for byte.

@@ -17,3 +17,11 @@ pub struct Bounced {
     /// share of that of direct light. 0 if no light enters from outside.
     pub energies: Vec<[f32; 3]>,
 }
+
+impl Bounced {
+    /// Whether each layer is one bounce.
+    pub fn is_kept_apart(&self) -> bool {
+        let count = self.layers.len();
+        count == self.energies.len() && (self.emitted.is_empty() || self.emitted.len() == count + 1)
+    }
+}
