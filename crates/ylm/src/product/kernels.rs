@@ -20,6 +20,8 @@ pub trait ProductKernels: Sized {
     fn run_zonal(level: Level, batch: zonal::ZonalBatch<'_, Self>);
     /// A product matrix applied to a batch.
     fn run_matrix(level: Level, batch: matrix::Apply<'_, Self>);
+    /// A block of a product matrix applied to one vector.
+    fn run_matrix_block(level: Level, block: matrix::Block<'_, Self>);
     /// Products of a batch in Fourier space.
     fn run_fourier(bands: Bands, factors: &[&[Self]], out: &mut [Self]) -> Result<()>;
     /// One product by straight-line code.
@@ -45,6 +47,9 @@ macro_rules! impl_kernels {
             }
             fn run_matrix(level: Level, batch: matrix::Apply<'_, Self>) {
                 level.run(batch);
+            }
+            fn run_matrix_block(level: Level, block: matrix::Block<'_, Self>) {
+                level.run(block);
             }
             fn run_fourier(bands: Bands, factors: &[&[Self]], out: &mut [Self]) -> Result<()> {
                 thread_local! {

@@ -3,6 +3,8 @@
 //! M_ij = ∫ f Y_i Y_j dω, so that M g are the coefficients of f g: the transfer matrix of a shadow, and the way to multiply many
 //! functions by one when they come a few at a time.
 
+use std::ops::Range;
+
 use super::grid::{Factor, Grid};
 use crate::error::{Result, check_length};
 use crate::simd::{Kernel, Lanes, MAX_COUNT};
@@ -71,6 +73,99 @@ impl<T: Real> ProductMatrix<T> {
         check_length("the factor", rows.len(), out.len())?;
         T::run_matrix(level, Apply { matrix: self, rows, out });
         Ok(())
+    }
+
+    /// Adds to `out[i]`, i in `rows`, the part of M g that comes of `g[j]`, j in `columns`: a block of the matrix.
+    ///
+    /// Bands taken one after the other cost as much in all as the whole matrix: with the coefficients of one band more, that band's
+    /// rows need all columns so far, the rows before them only the band's.
+    ///
+    /// Shapes: `g` and `out` have n² or fewer coefficients, at least to the ends of the ranges.
+    /// Cost: one multiply-add an entry of the block.
+    ///
+    /// # Errors
+    /// If a range ends beyond what it is of.
+    ///
+    /// [LK14] section 4.3
+    pub fn add_block(
+        &self,
+        rows: Range<usize>,
+        columns: Range<usize>,
+        g: &[T],
+        out: &mut [T],
+        level: Level,
+    ) -> Result<()> {
+        check_length("the factor (at most)", columns.end.max(g.len()), g.len())?;
+        check_length("the product (at most)", rows.end.max(out.len()), out.len())?;
+        check_length(
+            "the matrix (at most)",
+            rows.end.max(columns.end).max(self.coeff_count),
+            self.coeff_count,
+        )?;
+        if !rows.is_empty() && !columns.is_empty() {
+            T::run_matrix_block(level, Block { matrix: self, rows, columns, g, out });
+        }
+        Ok(())
+    }
+}
+
+/// One block of the matrix, applied to one vector.
+pub struct Block<'a, T> {
+    matrix: &'a ProductMatrix<T>,
+    rows: Range<usize>,
+    columns: Range<usize>,
+    g: &'a [T],
+    out: &'a mut [T],
+}
+
+impl<T: Real> Kernel<T> for Block<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run<V: Lanes<T>>(self) {
+        let Self { matrix, rows, columns, g, out } = self;
+        let mut first = rows.start / V::COUNT * V::COUNT;
+        while first < rows.end {
+            let left = (rows.end - first).div_ceil(V::COUNT);
+            match left {
+                1 => block_rows::<T, V, 1>(matrix, first, &rows, &columns, g, out),
+                2 => block_rows::<T, V, 2>(matrix, first, &rows, &columns, g, out),
+                3 => block_rows::<T, V, 3>(matrix, first, &rows, &columns, g, out),
+                _ => block_rows::<T, V, 4>(matrix, first, &rows, &columns, g, out),
+            }
+            first += 4 * V::COUNT;
+        }
+    }
+}
+
+/// `W` whole vectors of rows from `first`; only those within `rows` are written.
+#[inline(always)]
+fn block_rows<T: Real, V: Lanes<T>, const W: usize>(
+    matrix: &ProductMatrix<T>,
+    first: usize,
+    rows: &Range<usize>,
+    columns: &Range<usize>,
+    g: &[T],
+    out: &mut [T],
+) {
+    // Even and odd columns apart: twice as many independent sums.
+    let mut sums = [[V::splat(T::ZERO); W]; 2];
+    let entries = &matrix.entries[columns.start * matrix.stride..columns.end * matrix.stride];
+    let pairs = entries.chunks(2 * matrix.stride).zip(g[columns.clone()].chunks(2));
+    for (entries, g) in pairs {
+        for (c, (entries, &factor)) in entries.chunks_exact(matrix.stride).zip(g).enumerate() {
+            let factor = V::splat(factor);
+            for w in 0..W {
+                sums[c][w] = factor.mul_add(V::load(&entries[first + w * V::COUNT..]), sums[c][w]);
+            }
+        }
+    }
+    for w in 0..W {
+        let mut lanes = [T::ZERO; MAX_COUNT];
+        (sums[0][w] + sums[1][w]).store(&mut lanes);
+        let start = first + w * V::COUNT;
+        for i in rows.start.max(start)..rows.end.min(start + V::COUNT) {
+            out[i] += lanes[i - start];
+        }
     }
 }
 
@@ -169,9 +264,31 @@ mod tests {
     }
 
     #[test]
+    fn blocks_band_by_band_add_up_to_the_whole_product() {
+        for n in [1usize, 2, 4, 7, 11] {
+            let (f, g): (Vec<f64>, Vec<f64>) = (random(n * n, 1), random(n * n, 2));
+            let matrix = ProductMatrix::new(&f, &mut Workspace::new()).unwrap();
+            for level in Level::available() {
+                let (mut whole, mut sum) = (vec![f64::NAN; n * n], vec![0.0; n * n]);
+                matrix.apply(&g, &mut whole, level).unwrap();
+                for l in 0..n {
+                    let (before, now) = (l * l, (l + 1) * (l + 1));
+                    matrix.add_block(before..now, 0..now, &g, &mut sum, level).unwrap();
+                    matrix.add_block(0..before, before..now, &g, &mut sum, level).unwrap();
+                }
+                let error = relative_error(&sum, &whole);
+                assert!(error <= 1e-14, "{} n {n}: {error:e}", level.name());
+            }
+        }
+    }
+
+    #[test]
     fn lengths_that_do_not_fit_are_errors() {
         let matrix = ProductMatrix::new(&[1.0; 4], &mut Workspace::new()).unwrap();
         assert!(matrix.apply(&[1.0; 4], &mut [0.0; 8], Level::best()).is_err());
+        let block = |rows, columns| matrix.add_block(rows, columns, &[1.0; 4], &mut [0.0; 4], Level::best());
+        assert!(block(0..4, 1..4).is_ok() && block(2..2, 0..4).is_ok());
+        assert!(block(0..5, 0..4).is_err() && block(0..4, 0..5).is_err());
         assert!(ProductMatrix::new(&[1.0; 5], &mut Workspace::new()).is_err());
     }
 }

@@ -27,6 +27,9 @@ pub enum Target<'a, T> {
     Coeffs { coeffs: &'a mut [T], stride: usize },
     /// Its integral over the sphere, one number a row.
     Integrals(&'a mut [T]),
+    /// The integrals of it times each of these functions, which all rows share; `[group of lanes, function, lane]`, added to what
+    /// is there.
+    Against { functions: &'a [&'a [T]], integrals: &'a mut [T] },
     /// Its values on the grid, `[group of lanes, point, lane]`.
     Values(&'a mut [T]),
 }
@@ -156,7 +159,7 @@ impl<T: Real, const N: usize> Kernel<T> for OfBands<'_, T, N> {
                     scratch.integral.store(&mut lanes);
                     integrals[first_row..][..rows].copy_from_slice(&lanes[..rows]);
                 }
-                Target::Values(_) => {}
+                Target::Values(_) | Target::Against { .. } => {}
             }
         }
     }
@@ -232,6 +235,21 @@ fn ring_tile<T: Real, V: Lanes<T>>(
                 }
                 let weight = V::splat(table.ring_weights[first + ring % rings]);
                 scratch.integral = weight.mul_add(sum, scratch.integral);
+            }
+            Target::Against { functions, integrals } => {
+                let weight = V::splat(table.ring_weights[first + ring % rings]);
+                let of_group = &mut integrals[group * functions.len() * V::COUNT..];
+                for (function, integral) in functions.iter().zip(of_group.chunks_exact_mut(V::COUNT)) {
+                    let mut sums = [V::splat(T::ZERO); 4];
+                    let function = function[points.clone()].chunks_exact(4);
+                    for (values, factors) in scratch.values.chunks_exact(4).zip(function) {
+                        for k in 0..4 {
+                            sums[k] = V::splat(factors[k]).mul_add(values[k], sums[k]);
+                        }
+                    }
+                    let sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+                    weight.mul_add(sum, V::load(integral)).store(integral);
+                }
             }
             Target::Values(values) => {
                 let to = &mut values[(group * size.point_count() + points.start) * V::COUNT..];

@@ -11,6 +11,7 @@
 //! One row (function) of a batch runs in each lane of a vector, so rows never meet: a NaN or an overflow in one row stays
 //! in that row.
 
+mod against;
 pub(super) mod kernel;
 mod ring;
 pub(super) mod table;
