@@ -9,7 +9,7 @@ use ylm_prt::image::{Decoded, Image, Projection};
 use ylm_prt::light::probe::LayoutWord;
 use ylm_prt::light::{Light, LightCoeffs, Probe};
 use ylm_prt::scene::{Blockers, Bvh, Camera, LightingPoints, Mesh, ReadOptions, UpAxis, View};
-use ylm_prt::shade::shade_diffuse;
+use ylm_prt::shade::{GlossyMaterial, shade_diffuse, shade_glossy};
 use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, BounceEnd, Bounces, TransferKind, bake};
 
 /// A handful of bands, past the closed forms that everyone knows by heart.
@@ -293,4 +293,23 @@ fn sentence_19_bounced_light_has_the_albedos_on_its_way_and_surfaces_are_black_f
     }
     // Wound downwards still, it is lit where its normals point, and the floor is behind that.
     assert!(with([0.5, 1.0], Vec3::Y).iter().all(|&value| value == 0.0));
+}
+
+#[test]
+fn sentence_20_a_plane_of_specular_1_shows_1_along_its_normal_under_white() {
+    let normal = vec3(2.0, -1.0, 2.0) / 3.0;
+    let plane = open(points(&[normal], 0.0));
+    // Shininess 0 and 2 have no more bands in common with the cosine than these.
+    for shininess in [0.0, 2.0] {
+        let material = GlossyMaterial { diffuse: 0.0, specular: 1.0, shininess };
+        let along = shade_glossy(&plane, &light("white"), &material, 5.0 * normal).unwrap()[0];
+        close(along.x, 1.0);
+    }
+    // Only what the eye's mirror image is near to is seen: (s+2)/2π · solid angle · cosine · lobe of a narrow lamp, r its direction.
+    let material = GlossyMaterial { diffuse: 0.0, specular: 1.0, shininess: 1.0 };
+    let lamp = light("disc?dir=0,1,0&angle=1");
+    let floor = open(points(&[Vec3::Y], 0.0));
+    let [mirrored, aside] =
+        [Vec3::Y, Vec3::X].map(|eye| shade_glossy(&floor, &lamp, &material, 5.0 * eye).unwrap()[0].x);
+    assert!(mirrored > 4.0 * aside.abs(), "{mirrored} {aside}");
 }

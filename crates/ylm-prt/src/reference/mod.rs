@@ -6,6 +6,8 @@ mod irradiance;
 mod near;
 mod paths;
 mod samples;
+mod specular;
 
 pub use irradiance::{DirectionSampler, Irradiance, Occlusion, Settings, irradiance, irradiance_of};
 pub use paths::{bounced_irradiance, bounced_irradiance_of};
+pub use specular::{PhongLobe, specular, specular_of};

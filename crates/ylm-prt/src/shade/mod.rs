@@ -5,12 +5,16 @@
 //! | [`shade_diffuse`] | one, from far away | 3n² multiply-adds; n² where it has one colour |
 //! | [`shade_diffuse_under`] | another at each point: [`Incident`] | the same, and what the light costs |
 //! | [`shade_monochrome`] | one, from far away; bounced light without its colours | 3n² multiply-adds; n² where it has one colour |
+//! | [`shade_glossy`] | one, from far away, reflected around the mirrored view direction | O(n³) |
+//! | [`shade_adaptive`] | the same, all bands only where they show | what the light of each point needs |
 //! | [`shade_linear`] | 2 bands, no shadows, nothing baked | 4 multiply-adds a channel |
 
+pub mod adaptive;
 mod ball;
 mod bounced;
 mod cage;
 mod diffuse;
+pub mod glossy;
 pub mod grey;
 mod incident;
 mod linear;
@@ -18,8 +22,10 @@ mod monochrome;
 mod near;
 mod ringing;
 
+pub use adaptive::{AdaptiveScene, AdaptiveSettings, shade_adaptive};
 pub use ball::{Ball, Cap, Shadowed, dim};
 pub use diffuse::shade_diffuse;
+pub use glossy::{GlossyLight, GlossyMaterial, Received, SpecularWay, shade_glossy};
 pub use incident::{Far, Incident, shade_diffuse_under};
 pub use linear::{LinearIrradiance, shade_linear};
 pub use monochrome::{Monochrome, shade_monochrome};

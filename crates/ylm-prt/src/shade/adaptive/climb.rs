@@ -1,0 +1,253 @@
+//! How one point climbs from band to band, diffuse and specular.
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::Vec3;
+use ylm::Level;
+use ylm::zonal::Zonal;
+
+use super::scene::AdaptiveScene;
+use super::settings::{AdaptiveSettings, Ending, Prediction, weight_left};
+use crate::error::Result;
+use crate::shade::glossy::{CHUNK, GlossyLight, GlossyMaterial, dot, turn_lobes};
+
+/// Where a point has got to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Climb {
+    /// Radiance of the base bands.
+    pub base: Vec3,
+    /// What the bands above add.
+    pub difference: Vec3,
+    /// Bands that were computed.
+    pub bands: u8,
+}
+
+impl Climb {
+    /// What is compared with the threshold.
+    pub fn size(&self) -> f32 {
+        self.difference.abs().max_element()
+    }
+}
+
+/// Until where to climb.
+#[derive(Clone, Copy)]
+pub(super) enum Until {
+    /// To the end that the settings say.
+    Filtered,
+    /// To the last band.
+    Top,
+}
+
+/// The diffuse or the specular part of the radiance.
+pub(super) trait Part: Sync {
+    /// Climbs with a few points.
+    fn climb(&self, points: &[u32], until: Until, scratch: &mut Scratch, out: &mut [Climb]) -> Result<()>;
+
+    /// The threshold of this part.
+    fn threshold(&self) -> f32;
+}
+
+/// Buffers of a thread.
+#[derive(Default)]
+pub(super) struct Scratch {
+    axes: Vec<[f32; 3]>,
+    lobes: Vec<f32>,
+    transfer: Vec<f32>,
+    /// [channel, n²].
+    received: Vec<f32>,
+    pub points: Vec<u32>,
+}
+
+/// Follows the sum of a climb with its weights.
+struct Path {
+    climb: Climb,
+    ending: Ending,
+    threshold: f32,
+    weight: f32,
+    /// What the bands so far add in full.
+    full: Vec3,
+}
+
+impl Path {
+    fn new(base: Vec3, base_bands: usize, until: Until, settings: &AdaptiveSettings, threshold: f32) -> Self {
+        let (ending, threshold) = match until {
+            Until::Filtered => (settings.ending, threshold),
+            Until::Top => (Ending::Sudden, 0.0),
+        };
+        let climb = Climb { base, difference: Vec3::ZERO, bands: base_bands as u8 };
+        Self { climb, ending, threshold, weight: 1.0, full: Vec3::ZERO }
+    }
+
+    /// Takes the difference to the base after one band more; answers whether to go on.
+    fn step(&mut self, full: Vec3) -> bool {
+        self.climb.difference += self.weight * (full - self.full);
+        self.full = full;
+        self.climb.bands += 1;
+        self.weight *= weight_left(self.ending, self.threshold, full.abs().max_element());
+        self.weight > 0.0
+    }
+}
+
+/// d · albedo/π · L · O.
+pub(super) struct Diffuse<'a> {
+    pub scene: &'a AdaptiveScene<'a>,
+    pub light: &'a GlossyLight,
+    pub material: GlossyMaterial,
+    pub settings: &'a AdaptiveSettings,
+    /// The light's norm in each band, the largest of the channels.
+    pub light_norms: Vec<f32>,
+}
+
+impl<'a> Diffuse<'a> {
+    pub fn new(
+        scene: &'a AdaptiveScene<'a>,
+        light: &'a GlossyLight,
+        material: GlossyMaterial,
+        settings: &'a AdaptiveSettings,
+    ) -> Self {
+        let norm = |l: usize| {
+            let of_channel =
+                |(channel, tint): (&Vec<f32>, f32)| tint * dot_self(&channel[l * l..(l + 1) * (l + 1)]);
+            let tints = light.tint.to_array();
+            let tint_of =
+                |c: usize| if light.channels.len() == 1 { light.tint.max_element() } else { tints[c] };
+            let channels = light.channels.iter().enumerate().map(|(c, channel)| (channel, tint_of(c)));
+            channels.map(of_channel).fold(0.0, f32::max)
+        };
+        let light_norms = (0..scene.band_count()).map(norm).collect();
+        Self { scene, light, material, settings, light_norms }
+    }
+
+    /// The most that the bands above the base can add.
+    fn bound(&self, point: usize, factor: Vec3) -> f32 {
+        let pairs = self.scene.norms(point).iter().zip(&self.light_norms);
+        factor.max_element() * pairs.skip(self.settings.base_bands).map(|(o, l)| o * l).sum::<f32>()
+    }
+}
+
+fn dot_self(v: &[f32]) -> f32 {
+    v.iter().map(|x| x * x).sum::<f32>().sqrt()
+}
+
+impl Part for Diffuse<'_> {
+    fn climb(&self, points: &[u32], until: Until, _: &mut Scratch, out: &mut [Climb]) -> Result<()> {
+        let base_bands = self.settings.base_bands.min(self.scene.band_count());
+        for (&point, out) in points.iter().zip(out) {
+            let point = point as usize;
+            let factor =
+                self.material.diffuse * FRAC_1_PI * Vec3::from(self.scene.baked.points.albedo[point]);
+            let of_band = |l: usize| {
+                let transfer = self.scene.level(point, l);
+                let channel = |c: usize| {
+                    let c = c % self.light.channels.len();
+                    transfer.iter().zip(&self.light.channels[c][l * l..]).map(|(o, l)| o * l).sum::<f32>()
+                };
+                self.light.tint
+                    * match self.light.channels.len() {
+                        1 => Vec3::splat(channel(0)),
+                        _ => Vec3::from([0, 1, 2].map(channel)),
+                    }
+            };
+            let base = factor * (0..base_bands).map(of_band).sum::<Vec3>();
+            let mut path = Path::new(base, base_bands, until, self.settings, self.threshold());
+            let is_left_out =
+                matches!((until, self.settings.prediction), (Until::Filtered, Prediction::BandEnergies))
+                    && self.bound(point, factor) < self.threshold();
+            let mut sum = Vec3::ZERO;
+            for l in base_bands..if is_left_out { 0 } else { self.scene.band_count() } {
+                sum += of_band(l);
+                if !path.step(factor * sum) {
+                    break;
+                }
+            }
+            *out = path.climb;
+        }
+        Ok(())
+    }
+
+    fn threshold(&self) -> f32 {
+        self.settings.thresholds.diffuse
+    }
+}
+
+/// Σ R_i α_i Y_i(r), R of band after band: [LK14] 4.3, Algorithm 3.
+pub(super) struct Specular<'a> {
+    pub scene: &'a AdaptiveScene<'a>,
+    /// Made for a way by matrix.
+    pub light: &'a GlossyLight,
+    pub lobe: Zonal<f32>,
+    pub eye: Vec3,
+    pub settings: &'a AdaptiveSettings,
+}
+
+impl Part for Specular<'_> {
+    fn climb(&self, points: &[u32], until: Until, scratch: &mut Scratch, out: &mut [Climb]) -> Result<()> {
+        for (points, out) in points.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
+            let lit = &self.scene.baked.points;
+            let at = points.iter().map(|&p| p as usize);
+            turn_lobes(&self.lobe, lit, at, self.eye, &mut scratch.axes, &mut scratch.lobes)?;
+            let width = self.lobe.bands().coeff_count();
+            for (k, (&point, out)) in points.iter().zip(out).enumerate() {
+                let lobe = &scratch.lobes[k * width..][..width];
+                *out = self.climb_one(
+                    point as usize,
+                    until,
+                    lobe,
+                    &mut scratch.transfer,
+                    &mut scratch.received,
+                )?;
+            }
+        }
+        Ok(())
+    }
+
+    fn threshold(&self) -> f32 {
+        self.settings.thresholds.specular
+    }
+}
+
+impl Specular<'_> {
+    fn climb_one(
+        &self,
+        point: usize,
+        until: Until,
+        lobe: &[f32],
+        transfer: &mut Vec<f32>,
+        received: &mut Vec<f32>,
+    ) -> Result<Climb> {
+        let (band_count, width) = (self.scene.band_count(), lobe.len());
+        let (matrices, level) = (self.light.matrices(), Level::best());
+        let base_bands = self.settings.base_bands.min(band_count);
+        transfer.clear();
+        (0..base_bands).for_each(|l| transfer.extend_from_slice(self.scene.level(point, l)));
+        received.clear();
+        received.resize(matrices.len() * width, 0.0);
+        let base_count = base_bands * base_bands;
+        for (matrix, received) in matrices.iter().zip(received.chunks_exact_mut(width)) {
+            matrix.add_block(0..base_count, 0..base_count, transfer, received, level)?;
+        }
+        let reflected = |received: &[f32], count: usize| {
+            let channel = |c: usize| dot(&received[c * width..][..count], &lobe[..count]);
+            self.light.tint
+                * match matrices.len() {
+                    1 => Vec3::splat(channel(0)),
+                    _ => Vec3::from([0, 1, 2].map(channel)),
+                }
+        };
+        let base = reflected(received, base_count);
+        let mut path = Path::new(base, base_bands, until, self.settings, self.threshold());
+        for l in base_bands..band_count {
+            let (before, now) = (l * l, (l + 1) * (l + 1));
+            transfer.extend_from_slice(self.scene.level(point, l));
+            for (matrix, received) in matrices.iter().zip(received.chunks_exact_mut(width)) {
+                // The band's rows need all of the transfer so far; the rows before them only the band's.
+                matrix.add_block(before..now, 0..now, transfer, received, level)?;
+                matrix.add_block(0..before, before..now, transfer, received, level)?;
+            }
+            if !path.step(reflected(received, now) - base) {
+                break;
+            }
+        }
+        Ok(path.climb)
+    }
+}

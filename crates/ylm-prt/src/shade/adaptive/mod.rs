@@ -1,0 +1,85 @@
+//! Adaptive glossy relighting: few bands for every point, all of them where they show. [LK14]
+//!
+//! Every point is lit with a few base bands. It then climbs from band to band, adding to the difference from the base, until that is below
+//! a threshold: the multi-level filter. Points that reach the last band make up the region of interest, of the diffuse and of the specular
+//! part by itself. The region grows over neighbours that the filter missed, and fades over the two rings of points around it.
+//!
+//! Errors of filtered points are not bounded by the threshold: a band may add nothing where a later one would. docs/results/adaptive.md
+//! has what comes of it.
+
+mod climb;
+mod goal;
+mod region;
+mod scene;
+mod settings;
+
+pub use goal::{Pace, thresholds_for_psnr};
+pub use region::{Region, Stage};
+pub use scene::AdaptiveScene;
+pub use settings::{AdaptiveSettings, Ending, Prediction, Refinement, Thresholds};
+
+use glam::Vec3;
+
+use climb::{Diffuse, Specular};
+
+use crate::error::{Error, Result};
+use crate::shade::glossy::{GlossyLight, GlossyMaterial};
+
+/// A frame of adaptive shading.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AdaptiveFrame {
+    /// Diffuse radiance.
+    pub diffuse: Region,
+    /// Specular radiance.
+    pub specular: Region,
+}
+
+impl AdaptiveFrame {
+    /// The radiance that leaves each point.
+    pub fn radiance(&self) -> Vec<Vec3> {
+        self.diffuse.radiance.iter().zip(&self.specular.radiance).map(|(d, s)| d + s).collect()
+    }
+}
+
+/// The radiance that leaves each lighting point of a glossy scene towards an eye, computed where it shows.
+///
+/// Bands end where their light ends to show; see [`AdaptiveSettings`]. Direct light alone.
+///
+/// Error: against [`super::shade_glossy`], with thresholds of 0 at most 1e-6 of the largest radiance (test
+/// `thresholds_of_zero_give_the_full_result`); otherwise bench `lee-table1`.
+/// Cost: in proportion to the entries of the light's matrix that the bands of each point need; in parallel, the same bytes for any number
+/// of threads.
+///
+/// # Errors
+/// If the light was made for another number of bands, or for another way than by matrix, a setting is out of range, or the transfer is
+/// interreflected.
+///
+/// [LK14] Algorithms 1–3
+pub fn shade_adaptive(
+    scene: &AdaptiveScene,
+    light: &GlossyLight,
+    material: &GlossyMaterial,
+    eye: Vec3,
+    settings: &AdaptiveSettings,
+) -> Result<AdaptiveFrame> {
+    settings.check()?;
+    let bands = light.bands();
+    if bands != scene.baked.transfer.bands || light.matrices().is_empty() {
+        return Err(Error::Request(format!(
+            "adaptive shading of {} bands needs a light of as many, made for a way by matrix",
+            scene.band_count()
+        )));
+    }
+    if scene.baked.transfer.bounced.is_some() {
+        return Err(Error::Request(
+            "adaptive shading knows direct light alone; bake with --transfer shadowed, or shade in full".to_owned(),
+        ));
+    }
+    let lobe = material.lobe(bands)?;
+    let diffuse = Diffuse::new(scene, light, *material, settings);
+    let specular = Specular { scene, light, lobe, eye, settings };
+    Ok(AdaptiveFrame {
+        diffuse: region::shade(&diffuse, scene, settings)?,
+        specular: region::shade(&specular, scene, settings)?,
+    })
+}

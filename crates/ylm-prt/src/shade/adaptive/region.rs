@@ -1,0 +1,148 @@
+//! The stages of one part: filter, refine, smooth.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::climb::{Climb, Part, Scratch, Until};
+use super::scene::AdaptiveScene;
+use super::settings::{AdaptiveSettings, Refinement};
+use crate::error::Result;
+
+/// Points that a thread does at once.
+const CHUNK: usize = 256;
+
+/// What became of a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stage {
+    /// Its climb ended before the last band, or with a difference below the threshold.
+    #[default]
+    Filtered,
+    /// Its climb went to the last band, and the difference is above the threshold.
+    Selected,
+    /// As `Selected`, but found only by way of a neighbour.
+    Refined,
+    /// A neighbour of the region that was computed to the last band in vain.
+    Tested,
+    /// Faded from the region to the filtered radiance.
+    Smoothed,
+}
+
+/// One part of the radiance, and how it came about.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    /// Radiance of each point.
+    pub radiance: Vec<Vec3>,
+    /// Bands that were computed at each point.
+    pub bands: Vec<u8>,
+    /// What became of each point.
+    pub stages: Vec<Stage>,
+}
+
+impl Region {
+    /// How many points ended in a stage.
+    pub fn count(&self, stage: Stage) -> usize {
+        self.stages.iter().filter(|&&s| s == stage).count()
+    }
+
+    /// The share of points that were not computed to the last band: [LK14]'s filtering ratio.
+    pub fn filtered_share(&self, band_count: usize) -> f64 {
+        let filtered = self.bands.iter().filter(|&&bands| usize::from(bands) < band_count).count();
+        filtered as f64 / self.bands.len().max(1) as f64
+    }
+}
+
+/// All stages of a part.
+pub(super) fn shade(part: &impl Part, scene: &AdaptiveScene, settings: &AdaptiveSettings) -> Result<Region> {
+    let point_count = scene.point_count();
+    let mut climbs = vec![Climb::default(); point_count];
+    climbs.par_chunks_mut(CHUNK).enumerate().try_for_each_init(
+        Scratch::default,
+        |scratch, (chunk, climbs)| {
+            let mut points = std::mem::take(&mut scratch.points);
+            points.clear();
+            points.extend((chunk * CHUNK..).take(climbs.len()).map(|point| point as u32));
+            let done = part.climb(&points, Until::Filtered, scratch, climbs);
+            scratch.points = points;
+            done
+        },
+    )?;
+    let is_at_top = |climb: &Climb| usize::from(climb.bands) == scene.band_count();
+    let is_in = |climb: &Climb| is_at_top(climb) && climb.size() >= part.threshold();
+    let mut stages: Vec<Stage> =
+        climbs.iter().map(|climb| if is_in(climb) { Stage::Selected } else { Stage::Filtered }).collect();
+    if settings.refinement == Refinement::Neighbours {
+        refine(part, scene, &mut climbs, &mut stages)?;
+    }
+    smooth(scene, settings.smoothing_rings, &mut climbs, &mut stages);
+    Ok(Region {
+        radiance: climbs.iter().map(|climb| climb.base + climb.difference).collect(),
+        bands: climbs.iter().map(|climb| climb.bands).collect(),
+        stages,
+    })
+}
+
+/// Travels outwards from the region, breadth first, all points of a front at once.
+///
+/// Which points are in a front depends on the fronts before it alone, not on the order within them.
+fn refine(part: &impl Part, scene: &AdaptiveScene, climbs: &mut [Climb], stages: &mut [Stage]) -> Result<()> {
+    let is_known: Vec<AtomicBool> =
+        climbs.iter().map(|climb| AtomicBool::new(usize::from(climb.bands) == scene.band_count())).collect();
+    let mut front: Vec<u32> =
+        (0..stages.len() as u32).filter(|&p| stages[p as usize] == Stage::Selected).collect();
+    while !front.is_empty() {
+        let around: Vec<u32> = front
+            .par_iter()
+            .flat_map_iter(|&point| scene.neighbours.around(point))
+            .copied()
+            .filter(|&point| !is_known[point as usize].swap(true, Ordering::Relaxed))
+            .collect();
+        let mut found = vec![Climb::default(); around.len()];
+        found
+            .par_chunks_mut(CHUNK)
+            .zip(around.par_chunks(CHUNK))
+            .try_for_each_init(Scratch::default, |scratch, (found, points)| {
+                part.climb(points, Until::Top, scratch, found)
+            })?;
+        front.clear();
+        for (&point, climb) in around.iter().zip(found) {
+            let is_in = climb.size() >= part.threshold();
+            stages[point as usize] = if is_in { Stage::Refined } else { Stage::Tested };
+            climbs[point as usize] = climb;
+            front.extend(is_in.then_some(point));
+        }
+    }
+    Ok(())
+}
+
+/// Carries the difference of what is computed to the last band outwards, ring by ring: the mean over the neighbours of the ring before,
+/// which counts the less against the point's own the farther out it is.
+fn smooth(scene: &AdaptiveScene, rings: u32, climbs: &mut [Climb], stages: &mut [Stage]) {
+    let mut ring_of = vec![u32::MAX; if rings == 0 { 0 } else { climbs.len() }];
+    for (ring, climb) in ring_of.iter_mut().zip(&*climbs) {
+        if usize::from(climb.bands) == scene.band_count() {
+            *ring = 0;
+        }
+    }
+    for ring in 1..=rings {
+        let weight = 1.0 - ring as f32 / (rings + 1) as f32;
+        let faded: Vec<(usize, Vec3)> = (0..ring_of.len())
+            .into_par_iter()
+            .filter(|&point| ring_of[point] == u32::MAX)
+            .filter_map(|point| {
+                let around = scene.neighbours.around(point as u32).iter().map(|&p| p as usize);
+                let inner = around.filter(|&p| ring_of[p] == ring - 1);
+                let (sum, count) =
+                    inner.fold((Vec3::ZERO, 0), |(sum, count), p| (sum + climbs[p].difference, count + 1));
+                let own = climbs[point].difference;
+                (count > 0).then(|| (point, own + weight * (sum / count as f32 - own)))
+            })
+            .collect();
+        for (point, difference) in faded {
+            ring_of[point] = ring;
+            climbs[point].difference = difference;
+            stages[point] = Stage::Smoothed;
+        }
+    }
+}

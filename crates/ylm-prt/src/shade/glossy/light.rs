@@ -1,0 +1,180 @@
+//! A light made ready for glossy reflection, and the ways to reflect it.
+
+use glam::Vec3;
+use ylm::product::grid::{Factor, Grid, Values};
+use ylm::product::matrix::ProductMatrix;
+use ylm::{Bands, Level, Workspace};
+
+use super::{CHUNK, GlossyMaterial, check_bands, each_chunk, turn_lobes};
+use crate::error::Result;
+use crate::light::LightCoeffs;
+use crate::shade::grey;
+use crate::transfer::Baked;
+
+/// How specular radiance is computed; all are the same sum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SpecularWay {
+    /// The light's product matrix times each transfer vector, point by point: as published in [LK14].
+    VertexMatrix,
+    /// The same matrix times many transfer vectors at once.
+    BatchedMatrix,
+    /// The integral of light, transfer and lobe in quadrature space: the fastest from 4 bands on (bench `lee-table2`).
+    #[default]
+    Quadrature,
+}
+
+impl SpecularWay {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::VertexMatrix, Self::BatchedMatrix, Self::Quadrature];
+}
+
+/// A light of n bands that is ready to be multiplied with transfer.
+///
+/// Cost of making it, a channel: a transform in quadrature space; a product matrix, O(n⁵), for the ways by matrix.
+pub struct GlossyLight {
+    bands: Bands,
+    /// The colour of a light that has but one, which is kept in one channel.
+    pub(in crate::shade) tint: Vec3,
+    /// [channel, n²], one channel or three.
+    pub(in crate::shade) channels: Vec<Vec<f32>>,
+    kind: Kind,
+}
+
+enum Kind {
+    VertexMatrix(Vec<ProductMatrix<f32>>),
+    BatchedMatrix(Vec<ProductMatrix<f32>>),
+    Quadrature { grid: Grid<f32>, light: Vec<Values<f32>> },
+}
+
+/// Buffers of a thread.
+#[derive(Default)]
+struct Scratch {
+    workspace: Workspace,
+    axes: Vec<[f32; 3]>,
+    lobes: Vec<f32>,
+    received: Vec<f32>,
+    integrals: Vec<f32>,
+}
+
+impl GlossyLight {
+    /// The light, for transfer of this many bands, in the fastest way.
+    ///
+    /// # Errors
+    /// If there are more than 64 bands.
+    pub fn new(light: &LightCoeffs, bands: Bands) -> Result<Self> {
+        Self::with_way(light, bands, SpecularWay::default())
+    }
+
+    /// The light, for a given way.
+    ///
+    /// # Errors
+    /// As [`GlossyLight::new`].
+    pub fn with_way(light: &LightCoeffs, bands: Bands, way: SpecularWay) -> Result<Self> {
+        let light = light.resized(bands);
+        let (tint, channels) = match grey::split(&light) {
+            Some(grey) => (grey.tint, vec![grey.coeffs]),
+            None => (Vec3::ONE, light.channels.to_vec()),
+        };
+        let mut workspace = Workspace::new();
+        let kind = if way == SpecularWay::Quadrature {
+            let grid = Grid::new(bands, 2)?;
+            let light = channels.iter().map(|c| grid.values(c, &mut workspace));
+            let light = light.collect::<ylm::Result<_>>()?;
+            Kind::Quadrature { grid, light }
+        } else {
+            let matrices = channels.iter().map(|c| ProductMatrix::new(c, &mut workspace));
+            let matrices = matrices.collect::<ylm::Result<_>>()?;
+            match way {
+                SpecularWay::VertexMatrix => Kind::VertexMatrix(matrices),
+                _ => Kind::BatchedMatrix(matrices),
+            }
+        };
+        Ok(Self { bands, tint, channels, kind })
+    }
+
+    /// n.
+    pub fn bands(&self) -> Bands {
+        self.bands
+    }
+
+    /// The light's product matrices, one a channel; none unless it was made for a way by matrix.
+    pub(in crate::shade) fn matrices(&self) -> &[ProductMatrix<f32>] {
+        match &self.kind {
+            Kind::VertexMatrix(matrices) | Kind::BatchedMatrix(matrices) => matrices,
+            Kind::Quadrature { .. } => &[],
+        }
+    }
+
+    /// The specular radiance of each lighting point towards an eye.
+    ///
+    /// # Errors
+    /// If the transfer has another number of bands, or a number of the material is negative or not finite.
+    pub fn reflect(&self, baked: &Baked, material: &GlossyMaterial, eye: Vec3) -> Result<Vec<Vec3>> {
+        check_bands(baked, self.bands)?;
+        let (points, width) = (&baked.points, self.bands.coeff_count());
+        let lobe = material.lobe(self.bands)?;
+        each_chunk(points.positions.len(), |first, radiance, scratch: &mut Scratch| {
+            let range = first..first + radiance.len();
+            turn_lobes(&lobe, points, range.clone(), eye, &mut scratch.axes, &mut scratch.lobes)?;
+            let vectors = &baked.transfer.vectors[range.start * width..range.end * width];
+            self.integrate(vectors, scratch)?;
+            let channels = self.channels.len();
+            for (radiance, of_point) in radiance.iter_mut().zip(scratch.integrals.chunks_exact(channels)) {
+                *radiance = self.tint * Vec3::from_array(std::array::from_fn(|c| of_point[c % channels]));
+            }
+            Ok(())
+        })
+    }
+
+    /// Writes `scratch.integrals` [point, channel] of transfer vectors and the lobes in `scratch`.
+    fn integrate(&self, vectors: &[f32], scratch: &mut Scratch) -> Result<()> {
+        let Scratch { workspace, lobes, received, integrals, .. } = scratch;
+        let (width, channels) = (self.bands.coeff_count(), self.channels.len());
+        integrals.resize(vectors.len() / width * channels, 0.0);
+        match &self.kind {
+            Kind::VertexMatrix(matrices) => {
+                received.resize(width, 0.0);
+                let points = vectors.chunks_exact(width).zip(lobes.chunks_exact(width));
+                for ((vector, lobe), integrals) in points.zip(integrals.chunks_exact_mut(channels)) {
+                    for (matrix, integral) in matrices.iter().zip(integrals) {
+                        received.fill(0.0);
+                        matrix.add_block(0..width, 0..width, vector, received, Level::best())?;
+                        *integral = dot(received, lobe);
+                    }
+                }
+            }
+            Kind::BatchedMatrix(matrices) => {
+                received.resize(vectors.len().min(CHUNK * width), 0.0);
+                for (channel, matrix) in matrices.iter().enumerate() {
+                    matrix.apply(vectors, received, Level::best())?;
+                    let points = received.chunks_exact(width).zip(lobes.chunks_exact(width));
+                    for ((received, lobe), integrals) in points.zip(integrals.chunks_exact_mut(channels)) {
+                        integrals[channel] = dot(received, lobe);
+                    }
+                }
+            }
+            Kind::Quadrature { grid, light } => {
+                let factors = [Factor::Rows(vectors), Factor::Rows(lobes)];
+                grid.integrals_against(&factors, light, integrals, workspace)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The dot product of two vectors of the same length, the shorter one if they differ.
+pub(in crate::shade) fn dot(a: &[f32], b: &[f32]) -> f32 {
+    const LANES: usize = 8;
+    let (a_lanes, a_rest) = a.as_chunks::<LANES>();
+    let (b_lanes, b_rest) = b.as_chunks::<LANES>();
+    let mut sums = [0.0f32; LANES];
+    for (a, b) in a_lanes.iter().zip(b_lanes) {
+        for lane in 0..LANES {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    for (lane, (a, b)) in a_rest.iter().zip(b_rest).enumerate() {
+        sums[lane] += a * b;
+    }
+    sums.iter().sum()
+}
