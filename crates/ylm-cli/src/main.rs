@@ -4,6 +4,7 @@ mod bake;
 mod balls;
 mod compare;
 mod demo;
+mod gloss;
 mod info;
 mod interrupt;
 mod light;
@@ -15,6 +16,7 @@ mod progress;
 mod render;
 mod shading;
 mod source;
+mod spin;
 mod view;
 mod window;
 

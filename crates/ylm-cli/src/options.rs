@@ -333,6 +333,11 @@ pub fn fraction(text: &str) -> Result<f32, String> {
     finite(text).ok().filter(|value| (0.0..1.0).contains(value)).ok_or("must be from 0 to below 1".to_owned())
 }
 
+/// A finite number, 0 or above.
+pub fn not_negative(text: &str) -> Result<f32, String> {
+    finite(text).ok().filter(|value| *value >= 0.0).ok_or("must be 0 or a positive number".to_owned())
+}
+
 /// Finite numbers between commas.
 pub fn numbers(text: &str) -> Option<Vec<f32>> {
     text.split(',').map(|part| finite(part.trim()).ok()).collect()
@@ -376,6 +381,9 @@ mod tests {
         assert_eq!(azimuth_elevation("30,-15"), Ok([30.0, -15.0]));
         assert!(azimuth_elevation("30").is_err() && azimuth_elevation("inf,0").is_err());
         assert!(fraction("-1").is_err() && fraction("1").is_err() && fraction("0").is_ok());
+        assert!(
+            not_negative("-0.1").is_err() && not_negative("nan").is_err() && not_negative("0") == Ok(0.0)
+        );
         assert!(positive("0").is_err() && positive("inf").is_err() && positive("0.5") == Ok(0.5));
     }
 }

@@ -1,12 +1,12 @@
 //! `ylm render`: a baked scene under a light, as a picture.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::Vec3;
-use serde_json::json;
+use serde_json::{Value, json};
 use ylm::Bands;
 use ylm::window::Window;
 use ylm_prt::error;
@@ -15,16 +15,20 @@ use ylm_prt::image::Image;
 use ylm_prt::light::{Light, LightCoeffs, Source};
 use ylm_prt::reference::Occlusion;
 use ylm_prt::render::{Colours, Raster, ToneMap, develop, render_in};
-use ylm_prt::shade::{Far, Shadowed, dim, least_nonnegative_at_points};
+use ylm_prt::scene::Camera;
+use ylm_prt::shade::adaptive::Pace;
+use ylm_prt::shade::{AdaptiveScene, AdaptiveSettings, Far, Shadowed, dim, least_nonnegative_at_points};
 use ylm_prt::transfer::Baked;
 
 use crate::balls::{BallOptions, BallShadow, Stage};
+use crate::gloss::{self, GlossOptions};
 use crate::interrupt;
 use crate::light::mean_radiance;
 use crate::near::{NearLight, NearOptions};
 use crate::options::{self, CameraPlace, Exposure, LightOptions};
 use crate::output::{Output, path_value};
 use crate::shading::{self, Shaded};
+use crate::spin::{self, Measures, Turn};
 use crate::view::{self, Shading, ViewOptions};
 use crate::window::WindowChoice;
 
@@ -47,6 +51,11 @@ pub struct Arguments {
     shading: Shading,
     #[command(flatten)]
     view: ViewOptions,
+    #[command(flatten)]
+    gloss: GlossOptions,
+    /// Turn the model once around in FRAMES pictures, PICTURE-0001 and on; measures times and what changes from frame to frame
+    #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    spin: Option<u32>,
     /// Use the light's first N bands only; with --shading reference, light by what they hold
     #[arg(long, value_parser = options::bands, value_name = "N")]
     light_bands: Option<Bands>,
@@ -96,7 +105,22 @@ impl Arguments {
             return Err("--tonemap is for .png; an .exr holds linear radiance".to_owned());
         }
         self.view.check(self.shading)?;
-        let is_developed = self.exposure != Exposure::Stops(0.0) || self.tonemap != ToneMap::None;
+        if self.shading.is_glossy() && self.options.window() == WindowChoice::AutoPoints {
+            return Err("--window auto:points looks at diffuse shading; give auto or a width".to_owned());
+        }
+        self.gloss.check(self.shading)?;
+        if self.spin.is_some() && self.shading == Shading::Reference {
+            return Err("--spin is for shading in real time, and --shading reference is not".to_owned());
+        }
+        if self.shading.is_glossy() && self.balls.shadow().is_some() {
+            return Err(format!(
+                "--ball shades diffuse surfaces, and --shading {} has others",
+                self.shading.name()
+            ));
+        }
+        // Thresholds are of what is displayed.
+        let is_exposed = self.exposure != Exposure::Stops(0.0) && self.shading != Shading::Roi;
+        let is_developed = is_exposed || self.tonemap != ToneMap::None;
         if self.shading.is_false_colour() && is_developed {
             return Err(
                 "--exposure and --tonemap would change what false colours stand for; --full scales them"
@@ -117,7 +141,14 @@ impl Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
-    options::check_destination(&arguments.output, &[&arguments.baked], &arguments.light)?;
+    let turns = arguments.spin.map(|frame_count| spin::turns(frame_count, &arguments.output));
+    let destinations = match &turns {
+        Some(turns) => turns.iter().map(|turn| turn.output.as_path()).collect(),
+        None => vec![arguments.output.as_path()],
+    };
+    for destination in destinations {
+        options::check_destination(destination, &[&arguments.baked], &arguments.light)?;
+    }
     let start = Instant::now();
     let baked = read_baked(&arguments.baked)?;
     let baked =
@@ -129,65 +160,200 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         baked.points.positions.len(),
         start.elapsed().as_secs_f64()
     ));
-
-    let shade_start = Instant::now();
-    let window = choose_window(arguments, &baked, &light)?;
-    let shaded = shade(arguments, &baked, &light, &stage, window)?;
-    let shade_seconds = shade_start.elapsed().as_secs_f64();
-    if shaded.negative_count() > 0 && !arguments.shading.is_false_colour() {
-        output.warn(&format!(
-            "{} of {} points have negative radiance: the light rings at these bands; --window auto:points damps it, \
-             --shading negative shows where",
-            shaded.negative_count(),
-            shaded.radiance.len()
-        ));
-    }
-
-    let render_start = Instant::now();
     let (width, height) = arguments.size;
     let raster = Raster { width, height, samples: arguments.samples.into() };
     let place = arguments.camera.unwrap_or_default();
     let camera = place.camera(&baked.points.positions, raster.aspect())?;
-    let background = |direction: Vec3| match arguments.background {
-        Background::Light => light.radiance_at(camera.eye(), direction),
-        Background::Black => Vec3::ZERO,
-    };
     let middle = middle(&baked.points.positions);
-    let coeffs = light.project_at(middle, baked.transfer.bands)?.windowed_by(window)?;
-    let mut radiance = shaded.radiance.clone();
-    radiance.extend(stage.light_balls(&arguments.view.part_of(coeffs)?));
-    let colours = arguments.view.colours(arguments.shading, &radiance);
-    let draw = |colours, background: &(dyn Fn(Vec3) -> Vec3 + Sync)| {
-        render_in(colours, &stage.points, &stage.bvh, &radiance, &camera, &raster, background)
-    };
-    if arguments.shading.is_false_colour() && !options::has_extension(&arguments.output, "exr") {
-        write_picture(arguments, draw(colours, &view::ground)?, 0.0)?;
-    } else {
-        let mean = mean_radiance(&light.project_at(middle, Bands::new(1)?)?);
-        write_picture(arguments, draw(Colours::Radiance, &background)?, arguments.exposure.stops(mean))?;
+    let exposure = arguments.exposure.stops(mean_radiance(&light.project_at(middle, Bands::new(1)?)?));
+    let ordered = arguments.shading.is_adaptive().then(|| AdaptiveScene::new(&baked));
+    let window = choose_window(arguments, &baked, &light)?;
+    let mut scene =
+        Scene { arguments, baked: &baked, stage: &stage, window, ordered: None, raster, exposure };
+    if let Some(ordered) = &ordered {
+        let coeffs = scene.light_coeffs(&light)?;
+        let settings = arguments.gloss.settings_in(ordered, &coeffs, camera.eye(), exposure)?;
+        scene.ordered = Some(Ordered { scene: ordered, settings });
     }
-    let render_seconds = render_start.elapsed().as_secs_f64();
+    let (drawn, measures) = match turns {
+        Some(turns) => scene.draw_turns(&turns, &light, &camera, output)?,
+        None => (scene.draw(&arguments.output, &light, &camera)?, None),
+    };
+    if drawn.shaded.negative_count() > 0 && !arguments.shading.is_false_colour() {
+        output.warn(&format!(
+            "{} of {} points have negative radiance: the light rings at these bands; --window auto:points damps it, \
+             --shading negative shows where",
+            drawn.shaded.negative_count(),
+            drawn.shaded.radiance.len()
+        ));
+    }
 
     let shading = arguments.shading.name();
-    let noise = shaded.noise.map_or(String::new(), |noise| format!(", noise {:.2} %", 100.0 * noise));
+    let noise = drawn.shaded.noise.map_or(String::new(), |noise| format!(", noise {:.2} %", 100.0 * noise));
     let choice = arguments.options.window();
+    let of_frames = measures.as_ref().map_or(String::new(), |measures| format!("; {}", measures.text()));
     let text = format!(
-        "{}: {width}×{height}, {shading} shading{noise}{}{}; {:.2} s\n",
+        "{}: {width}×{height}, {shading} shading{noise}{}{}; {:.2} s{of_frames}\n",
         arguments.output.display(),
         choice.words(window),
-        view::scale_text(colours),
+        view::scale_text(drawn.colours),
         start.elapsed().as_secs_f64()
     );
     let value = json!({
         "output": path_value(&arguments.output), "size": [width, height], "light": arguments.light, "repaired": options::repaired_count(&light), "suns": options::suns_value(suns.as_deref()), "shading": shading,
         "bands": baked.transfer.bands.count(), "light_bands": arguments.light_bands.map(Bands::count),
-        "band": arguments.view.band(), "bounce": arguments.view.bounce(), "scale": view::scale_value(colours), "near": arguments.near.json(&light),
+        "band": arguments.view.band(), "bounce": arguments.view.bounce(), "scale": view::scale_value(drawn.colours), "near": arguments.near.json(&light),
         "balls": arguments.balls.json(), "window": choice.value(window),
-        "points": shaded.radiance.len(), "radiance": shaded.statistics(), "noise": shaded.noise,
-        "shade_seconds": shade_seconds, "render_seconds": render_seconds, "seconds": start.elapsed().as_secs_f64(),
+        "material": arguments.gloss.value(arguments.shading), "regions": drawn.regions, "spin": measures.map(|measures| measures.value()),
+        "points": drawn.shaded.radiance.len(), "radiance": drawn.shaded.statistics(), "noise": drawn.shaded.noise,
+        "shade_seconds": drawn.shade_seconds, "render_seconds": drawn.render_seconds, "seconds": start.elapsed().as_secs_f64(),
     });
     output.result(&text, &value);
     Ok(())
+}
+
+/// What pictures are made of, but for light and camera.
+#[derive(Clone, Copy)]
+struct Scene<'a> {
+    arguments: &'a Arguments,
+    baked: &'a Baked,
+    stage: &'a Stage,
+    /// That the light is damped by.
+    window: Option<Window>,
+    /// For adaptive shading.
+    ordered: Option<Ordered<'a>>,
+    raster: Raster,
+    /// Stops.
+    exposure: f32,
+}
+
+/// What adaptive shading takes.
+#[derive(Clone, Copy)]
+struct Ordered<'a> {
+    scene: &'a AdaptiveScene<'a>,
+    settings: AdaptiveSettings,
+}
+
+/// A picture that is written, and what is told of it.
+struct Drawn {
+    shaded: Shaded,
+    /// What became of the points of adaptive shading.
+    regions: Value,
+    colours: Colours,
+    shade_seconds: f64,
+    render_seconds: f64,
+}
+
+impl Scene<'_> {
+    /// Shades, draws and writes one picture.
+    fn draw(&self, path: &Path, light: &Light, camera: &Camera) -> error::Result<Drawn> {
+        let Self { arguments, baked, stage, window, raster, exposure, .. } = *self;
+        let shade_start = Instant::now();
+        let (shaded, regions) = match arguments.shading.is_glossy() {
+            true => self.shade_glossy(light, camera.eye())?,
+            false => (shade(arguments, baked, light, stage, window)?, Value::Null),
+        };
+        let shade_seconds = shade_start.elapsed().as_secs_f64();
+
+        let render_start = Instant::now();
+        let background = |direction: Vec3| match arguments.background {
+            Background::Light => light.radiance_at(camera.eye(), direction),
+            Background::Black => Vec3::ZERO,
+        };
+        let middle = middle(&baked.points.positions);
+        let coeffs = light.project_at(middle, baked.transfer.bands)?.windowed_by(window)?;
+        let mut radiance = shaded.radiance.clone();
+        radiance.extend(stage.light_balls(&arguments.view.part_of(coeffs)?));
+        let colours = arguments.view.colours(arguments.shading, &radiance);
+        let draw = |colours, background: &(dyn Fn(Vec3) -> Vec3 + Sync)| {
+            render_in(colours, &stage.points, &stage.bvh, &radiance, camera, &raster, background)
+        };
+        if arguments.shading.is_false_colour() && !options::has_extension(path, "exr") {
+            write_picture(arguments, path, draw(colours, &view::ground)?, 0.0)?;
+        } else {
+            write_picture(arguments, path, draw(Colours::Radiance, &background)?, exposure)?;
+        }
+        let render_seconds = render_start.elapsed().as_secs_f64();
+        Ok(Drawn { shaded, regions, colours, shade_seconds, render_seconds })
+    }
+
+    /// The pictures of a turntable; the last of them, and what is measured over all.
+    fn draw_turns(
+        &self,
+        turns: &[Turn],
+        light: &Light,
+        camera: &Camera,
+        output: &Output,
+    ) -> error::Result<(Drawn, Option<Measures>)> {
+        let _guard = interrupt::Guard::new();
+        let mut measures = Measures::default();
+        let mut pace = self.arguments.gloss.pace()?;
+        let mut last = None;
+        for (done, turn) in turns.iter().enumerate() {
+            if interrupt::is_interrupted() {
+                let text = format!("interrupted; {done} of {} pictures are written", turns.len());
+                return Err(error::Error::Request(text));
+            }
+            let (light, camera) = (light.clone().rotated(turn.rotation), camera.rotated(turn.rotation));
+            let in_time = |ordered: Ordered<'_>, pace: Pace| {
+                let thresholds = pace.thresholds(ordered.settings.thresholds);
+                AdaptiveSettings { thresholds, ..ordered.settings }
+            };
+            let ordered = self.ordered.map(|ordered| match pace {
+                Some(pace) => Ordered { settings: in_time(ordered, pace), ..ordered },
+                None => ordered,
+            });
+            let drawn = Scene { ordered, ..*self }.draw(&turn.output, &light, &camera)?;
+            if let Some(pace) = &mut pace {
+                pace.took(drawn.shade_seconds);
+            }
+            let displayed = |radiance: &[Vec3]| radiance.iter().map(|r| *r * self.exposure.exp2()).collect();
+            let full = match self.arguments.shading {
+                Shading::Adaptive => {
+                    let coeffs = self.light_coeffs(&light)?;
+                    Some(displayed(&self.arguments.gloss.shade(self.baked, &coeffs, camera.eye())?))
+                }
+                _ => None,
+            };
+            measures.take(drawn.shade_seconds, drawn.render_seconds, displayed(&drawn.shaded.radiance), full);
+            output.step(&format!("{} written", turn.output.display()));
+            last = Some(drawn);
+        }
+        let drawn = last.ok_or_else(|| error::Error::Request("a spin of no frames".to_owned()))?;
+        Ok((drawn, Some(measures)))
+    }
+
+    /// The coefficients of a light from far away, of as many bands as are used.
+    fn light_coeffs(&self, light: &Light) -> error::Result<LightCoeffs> {
+        if light.is_local() {
+            return Err(error::Error::Request(format!(
+                "--shading {} needs a light from far away; this one stands somewhere",
+                self.arguments.shading.name()
+            )));
+        }
+        light.project(used_bands(self.arguments, self.baked))?.windowed_by(self.window)
+    }
+
+    /// The radiance of a glossy surface, or where it is computed to which band.
+    fn shade_glossy(&self, light: &Light, eye: Vec3) -> error::Result<(Shaded, Value)> {
+        let Self { arguments, baked, ordered, exposure, .. } = *self;
+        let coeffs = self.light_coeffs(light)?;
+        let Some(ordered) = ordered else {
+            let radiance = arguments.gloss.shade(baked, &coeffs, eye)?;
+            return Ok((Shaded { radiance, noise: None }, Value::Null));
+        };
+        let Ordered { scene, settings } = ordered;
+        let frame = arguments.gloss.shade_adaptive(scene, &coeffs, eye, &settings)?;
+        let band_count = baked.transfer.bands.count();
+        let radiance = match arguments.shading {
+            Shading::Roi => gloss::region_of_interest(&frame, settings.base_bands, band_count),
+            _ => frame.radiance(),
+        };
+        Ok((
+            Shaded { radiance, noise: None },
+            gloss::frame_value(&frame, band_count, settings.thresholds, exposure),
+        ))
+    }
 }
 
 /// The bands of the light that the points are lit by.
@@ -226,13 +392,6 @@ fn shade(
 ) -> error::Result<Shaded> {
     let coeffs = |bands| light.project(bands)?.windowed_by(window);
     match (arguments.shading, arguments.light_bands) {
-        (Shading::Diffuse | Shading::Band | Shading::Bounce | Shading::Negative, _) => {
-            let part = |light| arguments.view.part_of(light);
-            if light.is_local() {
-                return light_near_points(arguments, baked, light, window, &part);
-            }
-            light_points(arguments, baked, &part(coeffs(used_bands(arguments, baked))?)?)
-        }
         (Shading::Reference, Some(_)) if light.is_local() => Err(error::Error::Request(
             "--light-bands with --shading reference needs a light from far away; this one stands somewhere"
                 .to_owned(),
@@ -242,6 +401,13 @@ fn shade(
             reference(arguments, baked, stage, &light)
         }
         (Shading::Reference, None) => reference(arguments, baked, stage, light),
+        _ => {
+            let part = |light| arguments.view.part_of(light);
+            if light.is_local() {
+                return light_near_points(arguments, baked, light, window, &part);
+            }
+            light_points(arguments, baked, &part(coeffs(used_bands(arguments, baked))?)?)
+        }
     }
 }
 
@@ -299,11 +465,11 @@ fn reference(arguments: &Arguments, baked: &Baked, stage: &Stage, light: &Light)
     shading::reference_behind(baked, Occlusion::By(&blockers), light, arguments.rays)
 }
 
-fn write_picture(arguments: &Arguments, mut image: Image, exposure: f32) -> error::Result<()> {
+fn write_picture(arguments: &Arguments, path: &Path, mut image: Image, exposure: f32) -> error::Result<()> {
     let _guard = interrupt::Guard::new();
-    if options::has_extension(&arguments.output, "exr") {
+    if options::has_extension(path, "exr") {
         image.pixels.iter_mut().flatten().for_each(|value| *value *= exposure.exp2());
-        return image.write_exr(&arguments.output);
+        return image.write_exr(path);
     }
-    develop(&image, exposure, arguments.tonemap).write_png(&arguments.output)
+    develop(&image, exposure, arguments.tonemap).write_png(path)
 }

@@ -14,6 +14,12 @@ use crate::options;
 pub enum Shading {
     /// Dot products of baked transfer and the light's coefficients
     Diffuse,
+    /// Diffuse, and the light of the mirrored view direction: --shininess, --diffuse, --specular
+    Glossy,
+    /// As glossy, with all bands only where they show: --thresholds, --stages
+    Adaptive,
+    /// Where --shading adaptive goes on after the fourth band, in false colours: black nowhere, yellow to the last
+    Roi,
     /// Brute force: rays from every vertex into the light, no spherical harmonics
     Reference,
     /// What --band alone adds, in false colours of its luminance: blue below 0, white at 0, red above
@@ -30,7 +36,17 @@ const GROUND: Vec3 = Vec3::splat(0.02);
 impl Shading {
     /// Whether colours stand for numbers.
     pub fn is_false_colour(self) -> bool {
-        matches!(self, Self::Band | Self::Negative)
+        matches!(self, Self::Band | Self::Negative | Self::Roi)
+    }
+
+    /// Whether the surface is glossy.
+    pub fn is_glossy(self) -> bool {
+        matches!(self, Self::Glossy) || self.is_adaptive()
+    }
+
+    /// Whether bands are computed where they show.
+    pub fn is_adaptive(self) -> bool {
+        matches!(self, Self::Adaptive | Self::Roi)
     }
 
     /// For the report.
@@ -96,7 +112,11 @@ impl ViewOptions {
     /// How radiance is coloured.
     pub fn colours(&self, shading: Shading, radiance: &[Vec3]) -> Colours {
         match (shading, self.full) {
-            (Shading::Diffuse | Shading::Reference | Shading::Bounce, _) => Colours::Radiance,
+            (
+                Shading::Diffuse | Shading::Bounce | Shading::Glossy | Shading::Adaptive | Shading::Reference,
+                _,
+            ) => Colours::Radiance,
+            (Shading::Roi, full) => Colours::Heat { full: full.unwrap_or(1.0) },
             (Shading::Band, Some(full)) => Colours::Signed { full },
             (Shading::Band, None) => Colours::signed_to_fit(radiance),
             (Shading::Negative, full) => match (Colours::negative_to_fit(radiance), full) {
@@ -126,6 +146,7 @@ pub fn ground(_direction: Vec3) -> Vec3 {
 pub fn scale_text(colours: Colours) -> String {
     match colours {
         Colours::Radiance => String::new(),
+        Colours::Heat { full } => format!(", black 0 to yellow {full:.4}"),
         Colours::Signed { full } => format!(", blue −{full:.4} to red +{full:.4}"),
         Colours::Negative { white, full: 0.0 } => format!(", black 0 to white {white:.4}, nothing negative"),
         Colours::Negative { white, full } => {
@@ -138,6 +159,7 @@ pub fn scale_text(colours: Colours) -> String {
 pub fn scale_value(colours: Colours) -> Value {
     match colours {
         Colours::Radiance => Value::Null,
+        Colours::Heat { full } => json!([0.0, full]),
         Colours::Signed { full } => json!([-full, full]),
         Colours::Negative { white, full } => json!([-full, white]),
     }

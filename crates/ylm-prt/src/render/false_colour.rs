@@ -29,6 +29,11 @@ pub enum Colours {
     /// Themselves: radiance, to be exposed and tone mapped.
     #[default]
     Radiance,
+    /// The luminance of radiance that is 0 or more, by [`heat_colour`].
+    Heat {
+        /// The luminance that is shown as the last colour, as is all beyond it.
+        full: f32,
+    },
     /// The luminance of radiance that may be negative, by [`signed_colour`].
     Signed {
         /// The luminance that is shown as the last colour, as is all beyond it.
@@ -52,6 +57,7 @@ impl Colours {
                 linear(negative_colour(-radiance.min_element() / full))
             }
             Self::Negative { white, .. } => Vec3::splat(LUMINANCE.dot(radiance) / white).min(Vec3::ONE),
+            Self::Heat { full } => linear(heat_colour(LUMINANCE.dot(radiance) / full)),
             Self::Signed { full } => linear(signed_colour(LUMINANCE.dot(radiance) / full)),
         }
     }
@@ -127,6 +133,9 @@ mod tests {
         assert_eq!(fit.of(Vec3::new(9.0, -0.5, 9.0)), linear(negative_colour(1.0)));
         assert!((fit.of(Vec3::splat(0.5 * white)) - 0.5).length() <= 1e-6);
         assert_eq!(fit.of(Vec3::splat(9.0 * white)), Vec3::ONE);
+        let pixels = radiance.map(|radiance| Colours::Heat { full: 2.0 }.of(radiance).to_array()).to_vec();
+        let picture = develop(&Image { width: 5, height: 1, pixels }, 0.0, ToneMap::None);
+        assert_eq!(picture.pixels, [0.0, 0.0, 0.5, 1.0, 1.0].map(heat_colour));
         assert_eq!(Colours::signed_to_fit(&[Vec3::ZERO]), Colours::Signed { full: 1.0 });
     }
 }

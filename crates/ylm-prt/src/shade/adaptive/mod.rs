@@ -72,7 +72,8 @@ pub fn shade_adaptive(
     }
     if scene.baked.transfer.bounced.is_some() {
         return Err(Error::Request(
-            "adaptive shading knows direct light alone; bake with --transfer shadowed, or shade in full".to_owned(),
+            "adaptive shading knows direct light alone; bake with --transfer shadowed, or shade in full"
+                .to_owned(),
         ));
     }
     let lobe = material.lobe(bands)?;

@@ -1,0 +1,190 @@
+//! Glossy shading on the command line: the material, and what adaptive shading leaves out.
+
+use glam::Vec3;
+use serde_json::{Value, json};
+use ylm_prt::error::Result;
+use ylm_prt::light::LightCoeffs;
+use ylm_prt::shade::adaptive::{AdaptiveFrame, Pace, Region, Stage, Thresholds, thresholds_for_psnr};
+use ylm_prt::shade::{
+    AdaptiveScene, AdaptiveSettings, GlossyLight, GlossyMaterial, SpecularWay, shade_adaptive, shade_glossy,
+};
+use ylm_prt::transfer::Baked;
+
+use crate::options;
+use crate::view::Shading;
+
+/// `--shininess` and what goes with it.
+#[derive(clap::Args)]
+pub struct GlossOptions {
+    /// Exponent of the Phong lobe of --shading glossy, adaptive or roi (default: 20)
+    #[arg(long, value_parser = options::not_negative, value_name = "S")]
+    shininess: Option<f32>,
+    /// Part of the albedo that glossy shading reflects in all directions (default: 0.8)
+    #[arg(long, value_parser = options::not_negative, value_name = "D")]
+    diffuse: Option<f32>,
+    /// Part of the light that glossy shading reflects around the mirrored view direction (default: 0.2)
+    #[arg(long, value_parser = options::not_negative, value_name = "S")]
+    specular: Option<f32>,
+    /// What the bands above the third must change, in units of white as displayed, so that --shading adaptive goes on with them:
+    /// diffuse and specular (default: 0.01,0.02)
+    #[arg(long, value_parser = thresholds, value_name = "D,S")]
+    thresholds: Option<Thresholds>,
+    /// Instead of thresholds, the PSNR that the points of the first picture are to reach against the full calculation, in dB
+    #[arg(long, value_parser = options::positive, value_name = "DB", conflicts_with = "thresholds")]
+    psnr: Option<f32>,
+    /// Milliseconds that shading a picture of --spin may take: the thresholds follow
+    #[arg(long, value_parser = options::positive, value_name = "MS", requires = "spin")]
+    budget: Option<f32>,
+    /// How --shading adaptive goes about it (default: paper)
+    #[arg(long, value_enum)]
+    stages: Option<Stages>,
+}
+
+/// Named settings of adaptive shading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Stages {
+    /// Filter, refinement over neighbours, two smoothed rings, as published
+    Paper,
+    /// The filter alone
+    Filter,
+    /// The filter with a gradual end: nothing flickers in motion
+    Steady,
+}
+
+fn thresholds(text: &str) -> std::result::Result<Thresholds, String> {
+    let wrong = || "must be DIFFUSE,SPECULAR, each 0 or more, as in 0.01,0.02".to_owned();
+    let values = options::numbers(text).ok_or_else(wrong)?;
+    let &[diffuse, specular] = values.as_slice() else { return Err(wrong()) };
+    let thresholds = Thresholds { diffuse, specular };
+    thresholds.check().map(|()| thresholds).map_err(|_| wrong())
+}
+
+impl GlossOptions {
+    /// Options without effect are wrong usage.
+    ///
+    /// # Errors
+    /// The line that says so.
+    pub fn check(&self, shading: Shading) -> std::result::Result<(), String> {
+        let given = [
+            ("--shininess", self.shininess.is_some(), shading.is_glossy()),
+            ("--diffuse", self.diffuse.is_some(), shading.is_glossy()),
+            ("--specular", self.specular.is_some(), shading.is_glossy()),
+            ("--thresholds", self.thresholds.is_some(), shading.is_adaptive()),
+            ("--psnr", self.psnr.is_some(), shading.is_adaptive()),
+            ("--budget", self.budget.is_some(), shading.is_adaptive()),
+            ("--stages", self.stages.is_some(), shading.is_adaptive()),
+        ];
+        match given.iter().find(|(_, is_given, has_effect)| *is_given && !has_effect) {
+            Some((name, ..)) => Err(format!("{name} has no effect with --shading {}", shading.name())),
+            None => Ok(()),
+        }
+    }
+
+    /// What the surface reflects.
+    pub fn material(&self) -> GlossyMaterial {
+        let default = GlossyMaterial::default();
+        GlossyMaterial {
+            diffuse: self.diffuse.unwrap_or(default.diffuse),
+            specular: self.specular.unwrap_or(default.specular),
+            shininess: self.shininess.unwrap_or(default.shininess),
+        }
+    }
+
+    /// How frames are kept within the budget, if there is one.
+    ///
+    /// # Errors
+    /// None that the option's range leaves.
+    pub fn pace(&self) -> Result<Option<Pace>> {
+        self.budget.map(|milliseconds| Pace::new(f64::from(milliseconds) / 1e3)).transpose()
+    }
+
+    /// [`GlossOptions::settings`], with the thresholds that the PSNR asks for in this light and view.
+    ///
+    /// # Errors
+    /// As [`GlossOptions::shade`].
+    pub fn settings_in(
+        &self,
+        scene: &AdaptiveScene,
+        light: &LightCoeffs,
+        eye: Vec3,
+        exposure: f32,
+    ) -> Result<AdaptiveSettings> {
+        let settings = self.settings(exposure);
+        let Some(psnr) = self.psnr else { return Ok(settings) };
+        let (light, white) = (matrix_light(scene, light)?, (-exposure).exp2());
+        let thresholds =
+            thresholds_for_psnr(scene, &light, &self.material(), eye, &settings, psnr.into(), white)?;
+        Ok(AdaptiveSettings { thresholds, ..settings })
+    }
+
+    /// Settings for a picture of this exposure, in stops: thresholds are of what is displayed.
+    fn settings(&self, exposure: f32) -> AdaptiveSettings {
+        let preset = match self.stages.unwrap_or(Stages::Paper) {
+            Stages::Paper => AdaptiveSettings::PAPER,
+            Stages::Filter => AdaptiveSettings::FILTER,
+            Stages::Steady => AdaptiveSettings::STEADY,
+        };
+        let thresholds = self.thresholds.unwrap_or(Thresholds::PAPER).scaled((-exposure).exp2());
+        AdaptiveSettings { thresholds, ..preset }
+    }
+
+    /// The full calculation.
+    ///
+    /// # Errors
+    /// If the transfer has more than 64 bands.
+    pub fn shade(&self, baked: &Baked, light: &LightCoeffs, eye: Vec3) -> Result<Vec<Vec3>> {
+        shade_glossy(baked, light, &self.material(), eye)
+    }
+
+    /// What shows of it.
+    ///
+    /// # Errors
+    /// As [`GlossOptions::shade`].
+    pub fn shade_adaptive(
+        &self,
+        scene: &AdaptiveScene,
+        light: &LightCoeffs,
+        eye: Vec3,
+        settings: &AdaptiveSettings,
+    ) -> Result<AdaptiveFrame> {
+        shade_adaptive(scene, &matrix_light(scene, light)?, &self.material(), eye, settings)
+    }
+
+    /// For `--json`.
+    pub fn value(&self, shading: Shading) -> Value {
+        let GlossyMaterial { diffuse, specular, shininess } = self.material();
+        match shading.is_glossy() {
+            true => json!({ "diffuse": diffuse, "specular": specular, "shininess": shininess }),
+            false => Value::Null,
+        }
+    }
+}
+
+fn matrix_light(scene: &AdaptiveScene, light: &LightCoeffs) -> Result<GlossyLight> {
+    GlossyLight::with_way(light, scene.bands(), SpecularWay::VertexMatrix)
+}
+
+/// For `--json`: what became of the points of a frame, and the thresholds in units of white as displayed.
+pub fn frame_value(frame: &AdaptiveFrame, band_count: usize, thresholds: Thresholds, exposure: f32) -> Value {
+    let shown = thresholds.scaled(exposure.exp2());
+    let region = |region: &Region| {
+        json!({
+            "filtered": region.filtered_share(band_count), "selected": region.count(Stage::Selected),
+            "refined": region.count(Stage::Refined), "tested": region.count(Stage::Tested),
+            "smoothed": region.count(Stage::Smoothed),
+        })
+    };
+    json!({
+        "diffuse": region(&frame.diffuse), "specular": region(&frame.specular),
+        "thresholds": [shown.diffuse, shown.specular],
+    })
+}
+
+/// Bands that were computed at each point beyond the first above the base, which decides whether there are more, and the more of diffuse
+/// and specular: 0 none, 1 all.
+pub fn region_of_interest(frame: &AdaptiveFrame, base_bands: usize, band_count: usize) -> Vec<Vec3> {
+    let first = base_bands as f32 + 1.0;
+    let above = (band_count as f32 - first).max(1.0);
+    let pairs = frame.diffuse.bands.iter().zip(&frame.specular.bands);
+    pairs.map(|(&d, &s)| Vec3::splat((f32::from(d.max(s)) - first).max(0.0) / above)).collect()
+}
