@@ -11,6 +11,10 @@ mod bounce_error;
 mod cheap_forms;
 #[path = "../../testdata/data.rs"]
 mod data;
+mod lee_pictures;
+mod lee_scene;
+mod lee_table1;
+mod lee_table2;
 mod local_light;
 mod machine;
 mod plan;
@@ -50,6 +54,9 @@ const BENCHES: &[Bench] = &[
     ("bounce-error", bounce_error::run),
     ("bake-half", bake_half::run),
     ("basis", basis::run),
+    ("lee-pictures", lee_pictures::run),
+    ("lee-table1", lee_table1::run),
+    ("lee-table2", lee_table2::run),
     ("cheap-forms", cheap_forms::run),
     ("local-light", local_light::run),
     ("proxy-shadow", proxy_shadow::run),

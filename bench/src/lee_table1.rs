@@ -1,0 +1,240 @@
+//! [LK14] Table 1: adaptive against full calculation on three meshes under five probes, and what the stages bring.
+
+use std::hint::black_box;
+
+use glam::Vec3;
+use ylm::window::Window;
+use ylm_prt::light::LightCoeffs;
+use ylm_prt::shade::adaptive::{AdaptiveFrame, Prediction, Refinement, Stage, Thresholds};
+use ylm_prt::shade::glossy::shade_glossy_by;
+use ylm_prt::shade::{
+    AdaptiveScene, AdaptiveSettings, GlossyLight, Received, SpecularWay, shade_adaptive, shade_glossy,
+};
+use ylm_prt::transfer::Baked;
+
+use crate::Options;
+use crate::lee_scene::{LeeScene, MATERIAL, MATERIAL_TEXT, bands_of, fastest, probe, spun};
+use crate::table::Table;
+
+/// Probe, its file, model, its file, level, and what the paper has: fps ours and full, filtering ratios in %, gain.
+type Row = (&'static str, &'static str, &'static str, &'static str, usize, [f64; 5]);
+
+const PETERS: (&str, &str) = ("St. Peter's", "stpeters_cube_256.dds");
+const EUCALYPTUS: (&str, &str) = ("Eucalyptus", "rnl_eucalyptus_cube_256.dds");
+const GALILEO: (&str, &str) = ("Galileo", "galileo_cube_256.dds");
+const GRACE: (&str, &str) = ("Grace", "grace_cube_256.dds");
+const UFFIZI: (&str, &str) = ("Uffizi", "uffizi_latlong_256.hdr");
+const ARMADILLO: (&str, &str) = ("Armadillo", "armadillo_50k.ply");
+const PLANCK: (&str, &str) = ("Max Planck", "max_planck_45k.ply");
+const BUDDHA: (&str, &str) = ("Happy Buddha", "happy_buddha_50k.ply");
+
+const fn row(
+    probe: (&'static str, &'static str),
+    model: (&'static str, &'static str),
+    level: usize,
+    paper: [f64; 5],
+) -> Row {
+    (probe.0, probe.1, model.0, model.1, level, paper)
+}
+
+const ROWS: [Row; 8] = [
+    row(PETERS, ARMADILLO, 10, [13.7, 5.4, 13.0, 80.0, 2.53]),
+    row(EUCALYPTUS, ARMADILLO, 10, [12.1, 5.5, 18.0, 73.0, 2.20]),
+    row(GALILEO, ARMADILLO, 10, [13.2, 5.4, 9.0, 78.0, 2.44]),
+    row(GALILEO, PLANCK, 10, [13.9, 5.1, 19.0, 83.0, 2.72]),
+    row(GRACE, PLANCK, 10, [12.3, 5.1, 9.0, 79.0, 2.41]),
+    row(GRACE, BUDDHA, 9, [12.7, 5.7, 10.0, 78.0, 2.23]),
+    row(UFFIZI, BUDDHA, 10, [14.2, 4.2, 14.0, 91.0, 3.38]),
+    row(PETERS, BUDDHA, 9, [14.3, 5.7, 16.0, 85.0, 2.50]),
+];
+
+/// A frame by the paper's adaptive calculation, its light made ready for it.
+pub fn adaptive(
+    scene: &AdaptiveScene,
+    light: &LightCoeffs,
+    eye: Vec3,
+    settings: &AdaptiveSettings,
+) -> AdaptiveFrame {
+    let glossy = GlossyLight::with_way(light, scene.bands(), SpecularWay::VertexMatrix).expect("a light");
+    shade_adaptive(scene, &glossy, &MATERIAL, eye, settings).expect("a frame")
+}
+
+/// A frame by the full calculation, its light made ready for it.
+pub fn full(baked: &Baked, light: &LightCoeffs, eye: Vec3, way: SpecularWay) -> Vec<Vec3> {
+    let glossy = GlossyLight::with_way(light, baked.transfer.bands, way).expect("a light");
+    shade_glossy_by(baked, light, &glossy, &MATERIAL, eye).expect("a frame")
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.0}", 100.0 * share)
+}
+
+/// Table 1, and the stages one by one.
+pub fn run(options: &Options) -> Vec<Table> {
+    let mut table = Table::new(
+        format!("Table 1: all threads, RGB light, {MATERIAL_TEXT}; each frame with a new light"),
+        &[
+            "probe",
+            "model",
+            "vertices",
+            "level",
+            "coefficients",
+            "fps adaptive, theirs",
+            "fps full, theirs",
+            "fps adaptive",
+            "fps full, their matrix loop",
+            "fps full, quadrature",
+            "fps full, view alone moves",
+            "filtered %, diffuse, theirs",
+            "specular, theirs",
+            "filtered %, diffuse",
+            "specular",
+            "gain, theirs",
+            "gain of adaptive",
+            "quadrature over adaptive",
+            "PSNR dB",
+        ],
+    );
+    let mut scenes: Vec<LeeScene> = Vec::new();
+    let rows = if options.quick { &ROWS[..1] } else { &ROWS[..] };
+    for &(probe_name, probe_file, model, model_file, level, paper) in rows {
+        if !scenes.iter().any(|scene| scene.name == model) {
+            scenes.extend(LeeScene::new(options, model, model_file, 11));
+        }
+        let Some(scene) = scenes.iter().find(|scene| scene.name == model) else { continue };
+        let Some(light) = probe(options, probe_file, level + 1) else { continue };
+        let (baked, eye) = (scene.of_bands(level + 1), scene.camera.eye());
+        let ordered = AdaptiveScene::new(&baked);
+        let settings = AdaptiveSettings::PAPER;
+        let frame = adaptive(&ordered, &light, eye, &settings);
+        let reference = full(&baked, &light, eye, SpecularWay::Quadrature);
+        let adaptive_seconds =
+            fastest(options, || drop(black_box(adaptive(&ordered, &light, eye, &settings).radiance())));
+        let seconds_by = |way| fastest(options, || drop(black_box(full(&baked, &light, eye, way))));
+        let matrix_seconds = seconds_by(SpecularWay::VertexMatrix);
+        let quadrature_seconds = seconds_by(SpecularWay::Quadrature);
+        let glossy = GlossyLight::new(&light, bands_of(level + 1)).expect("a light");
+        let received = Received::new(&baked, &glossy).expect("memory");
+        let view_seconds =
+            fastest(options, || drop(black_box(received.reflect(&baked, &MATERIAL, eye).expect("a frame"))));
+        let [theirs, theirs_full, theirs_diffuse, theirs_specular, theirs_gain] = paper;
+        let fps = |seconds: f64| format!("{:.1}", 1.0 / seconds);
+        table.row(vec![
+            probe_name.to_owned(),
+            model.to_owned(),
+            scene.vertex_count().to_string(),
+            level.to_string(),
+            ((level + 1) * (level + 1)).to_string(),
+            theirs.to_string(),
+            theirs_full.to_string(),
+            fps(adaptive_seconds),
+            fps(matrix_seconds),
+            fps(quadrature_seconds),
+            fps(view_seconds),
+            theirs_diffuse.to_string(),
+            theirs_specular.to_string(),
+            percent(frame.diffuse.filtered_share(level + 1)),
+            percent(frame.specular.filtered_share(level + 1)),
+            theirs_gain.to_string(),
+            format!("{:.2}", matrix_seconds / adaptive_seconds),
+            format!("{:.1}", adaptive_seconds / quadrature_seconds),
+            format!("{:.1}", scene.psnr(&frame.radiance(), &reference)),
+        ]);
+    }
+    let mut tables = vec![table];
+    if let Some(scene) = scenes.iter().find(|scene| scene.name == ARMADILLO.0) {
+        tables.extend(stages(options, scene));
+    }
+    tables
+}
+
+/// The stages on one scene: time, error, and flicker as the model spins.
+fn stages(options: &Options, scene: &LeeScene) -> Option<Table> {
+    const BANDS: usize = 11;
+    let mut table = Table::new(
+        "Stages: Armadillo under St. Peter's, level 10; flicker is the largest change of a vertex from frame to frame above the full \
+         calculation's own, in 1/255, of a spin in steps of 0.2°",
+        &[
+            "stages",
+            "ms",
+            "filtered %, diffuse",
+            "specular",
+            "refined, diffuse",
+            "specular",
+            "tested in vain, diffuse",
+            "specular",
+            "smoothed, diffuse",
+            "specular",
+            "PSNR dB",
+            "flicker",
+        ],
+    );
+    let light = probe(options, PETERS.1, BANDS)?;
+    let windowed = light.windowed(Window::Hann(BANDS as f64)).expect("a width");
+    let (baked, eye) = (scene.of_bands(BANDS), scene.camera.eye());
+    let ordered = AdaptiveScene::new(&baked);
+    let paper = AdaptiveSettings::PAPER;
+    let steady = |factor: f32| AdaptiveSettings {
+        thresholds: Thresholds::PAPER.scaled(factor),
+        ..AdaptiveSettings::STEADY
+    };
+    let settings = [
+        ("filter", AdaptiveSettings::FILTER, &light),
+        (
+            "filter, prediction",
+            AdaptiveSettings { prediction: Prediction::BandEnergies, ..AdaptiveSettings::FILTER },
+            &light,
+        ),
+        ("filter, refinement", AdaptiveSettings { smoothing_rings: 0, ..paper }, &light),
+        ("filter, smoothing", AdaptiveSettings { refinement: Refinement::None, ..paper }, &light),
+        ("paper: all three", paper, &light),
+        ("paper, light windowed", paper, &windowed),
+        ("gradual end", AdaptiveSettings::STEADY, &light),
+        ("gradual end, half thresholds", steady(0.5), &light),
+        ("gradual end, light windowed", AdaptiveSettings::STEADY, &windowed),
+    ];
+    let frames = if options.quick { 3 } else { 50 };
+    for (name, settings, light) in settings {
+        let seconds =
+            fastest(options, || drop(black_box(adaptive(&ordered, light, eye, &settings).radiance())));
+        let frame = adaptive(&ordered, light, eye, &settings);
+        let reference = shade_glossy(&baked, light, &MATERIAL, eye).expect("a frame");
+        let [diffuse, specular] = [&frame.diffuse, &frame.specular];
+        let count = |stage| [diffuse.count(stage).to_string(), specular.count(stage).to_string()];
+        let mut cells = vec![name.to_owned(), format!("{:.1}", 1e3 * seconds)];
+        cells.extend([diffuse, specular].map(|region| percent(region.filtered_share(BANDS))));
+        for stage in [Stage::Refined, Stage::Tested, Stage::Smoothed] {
+            cells.extend(count(stage));
+        }
+        cells.push(format!("{:.1}", scene.psnr(&frame.radiance(), &reference)));
+        cells.push(format!("{:.2}", 255.0 * flicker(&ordered, &baked, light, eye, &settings, frames)));
+        table.row(cells);
+    }
+    Some(table)
+}
+
+/// The largest change of a vertex from frame to frame above the full calculation's own.
+fn flicker(
+    scene: &AdaptiveScene,
+    baked: &Baked,
+    light: &LightCoeffs,
+    eye: Vec3,
+    settings: &AdaptiveSettings,
+    frames: usize,
+) -> f32 {
+    let mut last: Option<[Vec<Vec3>; 2]> = None;
+    let mut most = 0.0f32;
+    for frame in 0..frames {
+        let (light, eye) = spun(light, eye, 0.2 * frame as f32);
+        let shown = adaptive(scene, &light, eye, settings).radiance();
+        let own = full(baked, &light, eye, SpecularWay::Quadrature);
+        if let Some([last_shown, last_own]) = &last {
+            for point in 0..shown.len() {
+                let jump = (shown[point] - last_shown[point]).abs().max_element();
+                most = most.max(jump - (own[point] - last_own[point]).abs().max_element());
+            }
+        }
+        last = Some([shown, own]);
+    }
+    most
+}
