@@ -76,7 +76,8 @@ fn a_plot_shows_lights_transfer_and_the_basis_as_svg_and_png() {
 }
 
 /// Two walls that face each other, a step apart.
-const WALLS: &str = "v 0 0 0\nv 0 1 0\nv 0 1 1\nv 0 0 1\nv 1 0 0\nv 1 1 0\nv 1 1 1\nv 1 0 1\nf 1 2 3 4\nf 8 7 6 5\n";
+const WALLS: &str =
+    "v 0 0 0\nv 0 1 0\nv 0 1 1\nv 0 0 1\nv 1 0 0\nv 1 1 0\nv 1 1 1\nv 1 0 1\nf 1 2 3 4\nf 8 7 6 5\n";
 
 #[test]
 fn bounces_alone_add_up_where_the_bake_kept_them_apart() {
@@ -97,12 +98,19 @@ fn bounces_alone_add_up_where_the_bake_kept_them_apart() {
     // Sums of 27 products below 1 in f32, in another order.
     assert!((bounces.iter().sum::<f64>() - mean(&whole)).abs() <= 1e-6, "{bounces:?}");
     assert!(bounces[0] > bounces[1] && bounces[1] > bounces[2] && bounces[2] > 0.0, "{bounces:?}");
-    assert_eq!(place.json("plot each.safetensors -o transfer.svg --view bars")["band_energies"][0].as_array().unwrap().len(), 3);
+    assert_eq!(
+        place.json("plot each.safetensors -o transfer.svg --view bars")["band_energies"][0]
+            .as_array()
+            .unwrap()
+            .len(),
+        3
+    );
     place.json("bake cube.obj -o cube.safetensors --rays 8 --bands 3");
     for (file, bounce, word) in
         [("each", 3, "1 to 2"), ("sum", 1, "--keep-bounces"), ("cube", 0, "not interreflected")]
     {
-        let arguments = format!("render {file}.safetensors {light} -o no.png --shading bounce --bounce {bounce}");
+        let arguments =
+            format!("render {file}.safetensors {light} -o no.png --shading bounce --bounce {bounce}");
         let message = place.failure(&arguments, 1);
         assert!(message.contains(word) && message.contains(file), "{message}");
     }
