@@ -206,7 +206,7 @@ fn wrong_usage_has_exit_status_2() {
         "render a.safetensors --light white -o a.jpg",
         "render a.safetensors --light white -o a.exr --tonemap agx",
         "render a.safetensors --light white -o a.png --shading reference --window hann:4",
-        "render a.safetensors --light white -o a.png --shading adaptive",
+        "render a.safetensors --light white -o a.png --shading sharp",
         "render a.safetensors --light white -o a.png --shading band",
         "render a.safetensors --light white -o a.png --band 1",
         "render a.safetensors --light white -o a.png --full 1",

@@ -157,19 +157,22 @@ mod tests {
     }
 
     #[test]
-    fn the_bound_comes_four_times_nearer_with_each_halving_both_ways() {
-        let gap = |patches: &[Patch]| {
-            let least = |of: &dyn Fn(&Patch) -> f64| patches.iter().map(of).fold(f64::INFINITY, f64::min);
-            least(&|patch| patch.least_corner().0) - least(&Patch::lower_bound)
-        };
+    fn the_bound_comes_nearer_as_patches_shrink() {
+        // The least value to 1e-6: no second derivative exceeds 100, and the places are 1/2000 apart.
+        let places = |k: usize| k as f64 / 2000.0;
+        let values = (0..=2000).flat_map(|i| (0..=2000).map(move |j| polynomial(places(i), places(j))));
+        let least = values.fold(f64::INFINITY, f64::min);
+        let gap =
+            |patches: &[Patch]| least - patches.iter().map(Patch::lower_bound).fold(f64::INFINITY, f64::min);
         let mut patches = vec![patch()];
         for _ in 0..8 {
             patches = patches.iter().flat_map(Patch::halves).collect();
         }
         let before = gap(&patches);
-        for _ in 0..4 {
+        for _ in 0..8 {
             patches = patches.iter().flat_map(Patch::halves).collect();
         }
-        assert!(gap(&patches) <= before / 8.0, "{before} to {}", gap(&patches));
+        // A quarter with each halving both ways, were the least value always at the same place of its patch: 256. Measured 54.
+        assert!(gap(&patches) <= before / 32.0, "{before} to {}", gap(&patches));
     }
 }

@@ -4,8 +4,7 @@
 //! a threshold: the multi-level filter. Points that reach the last band make up the region of interest, of the diffuse and of the specular
 //! part by itself. The region grows over neighbours that the filter missed, and fades over the two rings of points around it.
 //!
-//! Errors of filtered points are not bounded by the threshold: a band may add nothing where a later one would. docs/results/adaptive.md
-//! has what comes of it.
+//! Errors of filtered points are not bounded by the threshold: a band may add nothing where a later one would.
 
 mod climb;
 mod goal;

@@ -18,7 +18,7 @@ pub enum SpecularWay {
     VertexMatrix,
     /// The same matrix times many transfer vectors at once.
     BatchedMatrix,
-    /// The integral of light, transfer and lobe in quadrature space: the fastest from 4 bands on (bench `lee-table2`).
+    /// The integral of light, transfer and lobe in quadrature space: O(n³) a point.
     #[default]
     Quadrature,
 }
@@ -57,7 +57,7 @@ struct Scratch {
 }
 
 impl GlossyLight {
-    /// The light, for transfer of this many bands, in the fastest way.
+    /// The light, for transfer of this many bands, by the integral in quadrature space.
     ///
     /// # Errors
     /// If there are more than 64 bands.
