@@ -208,6 +208,11 @@ fn draw_from(
     render_in(colours, points, bvh, radiance, &camera, &raster, &backdrop(BACKDROP))
 }
 
+/// Rays a point of the references of sections whose pictures are smaller.
+fn side_rays(arguments: &Arguments) -> u32 {
+    arguments.reference_rays.div_ceil(2)
+}
+
 /// Two thirds of the demo's size, for sections of many pictures.
 fn smaller(arguments: &Arguments) -> (usize, usize) {
     let (width, height) = arguments.size;

@@ -7,7 +7,9 @@ use ylm_prt::error::Result;
 use ylm_prt::light::Light;
 use ylm_prt::render::{Colours, ToneMap, develop};
 use ylm_prt::scene::{Blockers, Bvh, LightingPoints, demo};
-use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, Bounces, KeptBounces, TransferKind, bake};
+use ylm_prt::transfer::{
+    BakeRecord, BakeSettings, Baked, BounceEnd, Bounces, KeptBounces, TransferKind, bake,
+};
 
 use super::relight::relative_error;
 use super::report::Section;
@@ -17,6 +19,8 @@ use crate::shading::{self, Shaded};
 
 /// The room's own lamp shines; some daylight enters by the open side.
 const LIGHT: &str = "hemisphere?sky=0.25,0.32,0.45&ground=0.05,0.05,0.05";
+/// The last bounce holds less than this share of direct light.
+const LEAST_ENERGY: f32 = 0.01;
 /// Stops.
 const EXPOSURE: f32 = -0.4;
 
@@ -27,8 +31,12 @@ pub fn section(arguments: &Arguments) -> Result<Section> {
     let settings = BakeSettings {
         bands: arguments.bands,
         kind: TransferKind::Interreflected,
-        rays: arguments.rays,
-        bounces: Bounces { kept: KeptBounces::Each, ..Bounces::default() },
+        rays: arguments.rays.div_ceil(2),
+        bounces: Bounces {
+            end: BounceEnd::Energy(LEAST_ENERGY),
+            kept: KeptBounces::Each,
+            ..Bounces::default()
+        },
         ..BakeSettings::default()
     };
     let start = Instant::now();
@@ -43,7 +51,7 @@ pub fn section(arguments: &Arguments) -> Result<Section> {
     let direct = shading::diffuse(&baked.only_bounce(0)?, &coeffs);
     let first = shading::diffuse(&baked.only_bounce(1)?, &coeffs);
     let all = shading::diffuse(&baked, &coeffs);
-    let reference = shading::reference(&baked, &bvh, &light, arguments.reference_rays)?;
+    let reference = shading::reference(&baked, &bvh, &light, 2 * arguments.reference_rays)?;
     let noise = reference.noise.unwrap_or(0.0);
     let (direct_error, all_error) = (relative_error(&direct, &reference)?, relative_error(&all, &reference)?);
     let from = |error: f64| format!("{} from the reference", percent(error));
@@ -76,7 +84,7 @@ pub fn section(arguments: &Arguments) -> Result<Section> {
         title: "Light that bounces".to_owned(),
         text: format!(
             "A room with a lamp of its own. Walls colour what stands beside them, and the ceiling, which no light reaches \
-             directly, is lit by the floor. Baked in {seconds:.1} s until a bounce holds less than a thousandth."
+             directly, is lit by the floor. Baked in {seconds:.1} s until a bounce holds less than a hundredth."
         ),
         command: "ylm bake room.glb --transfer interreflected -o room.safetensors".to_owned(),
         figures,

@@ -24,7 +24,7 @@ const HOURS: [(&str, f32, f32); 6] = [
 /// Half of the sun's width in degrees: wider than the sun's own 0.27, as few bands hold no smaller one.
 const SUN_ANGLE: f32 = 5.0;
 /// Its radiance without air.
-const SUN: f32 = 270.0;
+const SUN: f32 = 230.0;
 /// Optical thickness of clear air for red, green and blue: Rayleigh scattering at 615, 535 and 445 nm with a little haze.
 const AIR: [f32; 3] = [0.10, 0.16, 0.29];
 
@@ -40,7 +40,10 @@ pub fn section(demo: &Demo, arguments: &Arguments) -> Result<Section> {
         let image = demo.draw_in(Default::default(), &shaded.radiance, smaller(arguments))?;
         let picture = develop(&image, 0.2, ToneMap::Aces);
         let file = format!("day-{}.png", index + 1);
-        let text = format!("sun {elevation}° high at azimuth {azimuth}°; {milliseconds:.1} ms");
+        let text = format!(
+            "sun {elevation}° high, azimuth {}°; {milliseconds:.1} ms",
+            azimuth.to_string().replace('-', "−")
+        );
         figures.push(save(arguments, &file, &picture, hour, text)?);
         relights.push(milliseconds);
     }
@@ -65,7 +68,7 @@ fn spec(elevation: f32, azimuth: f32) -> String {
     // [Kasten & Young 1989]: air masses between the sun and the ground.
     let masses = 1.0 / (y + 0.50572 * (elevation + 6.07995).powf(-1.6364));
     let [red, green, blue] = AIR.map(|thickness| (-thickness * masses).exp());
-    let sky = 0.12 + 0.42 * y;
+    let sky = 0.22 + 0.3 * y;
     format!(
         "sky:clear?sun={elevation},{azimuth}&intensity={sky:.3}&color=0.62,0.8,1.15&ground=0.1\
          +disc?dir={x:.3},{y:.3},{z:.3}&angle={SUN_ANGLE}&intensity={SUN}&color={red:.3},{green:.3},{blue:.3}"

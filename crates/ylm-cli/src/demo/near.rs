@@ -10,13 +10,13 @@ use ylm_prt::shade::{AtEachPoint, Ball, Blend, Far, LightSamples, Shadowed};
 
 use super::relight::relative_error;
 use super::report::Section;
-use super::{Arguments, Demo, draw, percent, save, smaller};
+use super::{Arguments, Demo, draw, percent, save, side_rays, smaller};
 use crate::balls::BallOptions;
 use crate::shading::{self, Shaded};
 
-/// A lamp between the bowl and the rotunda's steps, and a little light from everywhere.
+/// A lamp above the bowl, and a little light from everywhere.
 const LAMP: &str =
-    "sphere?pos=0.2,1.0,1.0&radius=0.22&intensity=30&color=1,0.72,0.4+white?intensity=0.1&color=0.5,0.7,1";
+    "sphere?pos=0.1,1.7,1.5&radius=0.35&intensity=34&color=1,0.72,0.4+white?intensity=0.16&color=0.5,0.7,1";
 /// How many places the lamp's light is taken at.
 const SAMPLES: usize = 26;
 
@@ -30,7 +30,7 @@ pub fn lamp_section(demo: &Demo, arguments: &Arguments) -> Result<Section> {
     let samples = LightSamples::around(positions, SAMPLES, Blend::SLOAN, &project)?;
     let blended = shading::diffuse_under(baked, &samples)?;
     let exact = shading::diffuse_under(baked, &AtEachPoint::new(bands, &project))?;
-    let reference = shading::reference(baked, &demo.bvh, &light, arguments.reference_rays)?;
+    let reference = shading::reference(baked, &demo.bvh, &light, side_rays(arguments))?;
     let noise = reference.noise.unwrap_or(0.0);
     let errors = [&one, &blended, &exact].map(|shaded| relative_error(shaded, &reference));
     let [one_error, blended_error, exact_error] = errors;
@@ -74,7 +74,7 @@ const MIDDLE: Vec3 = Vec3::new(0.0, 0.8, 0.0);
 /// The light of the ball's shadow, and the ball: its centre and its radius.
 const BALL_LIGHT: &str = "sky:overcast?intensity=0.55&color=0.75,0.88,1.1\
     +disc?dir=-0.6,1,0.55&angle=12&intensity=26&color=1,0.85,0.62";
-const BALL: (Vec3, f32) = (Vec3::new(-0.25, 1.05, 2.15), 0.42);
+const BALL: (Vec3, f32) = (Vec3::new(-2.55, 0.75, 0.95), 0.45);
 
 /// A ball that moves through the light: without it, with its proxy shadow, by brute force.
 pub fn ball_section(demo: &Demo, arguments: &Arguments) -> Result<Section> {
@@ -86,8 +86,7 @@ pub fn ball_section(demo: &Demo, arguments: &Arguments) -> Result<Section> {
     let without = shading::diffuse(baked, &coeffs);
     let proxy = shading::diffuse_under(baked, &Shadowed::new(&Far::new(&coeffs), balls.balls()))?;
     let blockers = balls.blockers(baked)?;
-    let reference =
-        shading::reference_behind(baked, Occlusion::By(&blockers), &light, arguments.reference_rays)?;
+    let reference = shading::reference_behind(baked, Occlusion::By(&blockers), &light, side_rays(arguments))?;
     let noise = reference.noise.unwrap_or(0.0);
     let (without_error, proxy_error) =
         (relative_error(&without, &reference)?, relative_error(&proxy, &reference)?);

@@ -50,6 +50,14 @@ impl Figure {
     }
 }
 
+impl Section {
+    /// Pictures stand in rows of three or four, whichever leaves no gap.
+    fn columns(&self) -> &'static str {
+        let count = self.figures.iter().filter(|figure| !figure.is_wide).count();
+        if count % 3 == 0 { "thirds" } else { "quarters" }
+    }
+}
+
 /// Heads of [`Section::numbers`].
 pub const NUMBER_COLUMNS: [&str; 6] =
     ["Light", "Relight", "Reference", "Reference noise", "Error, unshadowed", "Error, shadowed"];
@@ -121,10 +129,11 @@ fn section_html(section: &Section) -> String {
         })
         .collect();
     format!(
-        "<h2>{}</h2>\n<p>{} <code>{}</code></p>\n<div class=\"row\">\n{figures}</div>\n",
+        "<h2>{}</h2>\n<p>{} <code>{}</code></p>\n<div class=\"row {}\">\n{figures}</div>\n",
         escape(&section.title),
         escape(&section.text),
         escape(&section.command),
+        section.columns(),
     )
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use serde_json::json;
-use ylm::window::least_nonnegative;
+use ylm::window::{Window, least_nonnegative, minimum};
 use ylm_plot::{Development, Function, LatLong, Subject, View, figure};
 use ylm_prt::error::Result;
 use ylm_prt::image::{Decoded, Image, Picture};
@@ -13,7 +13,7 @@ use ylm_prt::render::{Colours, ToneMap, develop};
 
 use super::relight::relative_error;
 use super::report::Section;
-use super::{Arguments, Demo, PLOT_WIDTH, percent, save, smaller};
+use super::{Arguments, Demo, PLOT_WIDTH, percent, save, side_rays, smaller};
 use crate::light::mean_radiance;
 use crate::options::Exposure;
 use crate::shading::{self, Shaded};
@@ -28,7 +28,7 @@ pub fn section(demo: &Demo, arguments: &Arguments) -> Result<Section> {
     let bands = arguments.bands;
     let plain = light.project(bands)?;
     let windowed = damped(&plain)?;
-    let reference = shading::reference(&demo.shadowed, &demo.bvh, &light, arguments.reference_rays)?;
+    let reference = shading::reference(&demo.shadowed, &demo.bvh, &light, side_rays(arguments))?;
     let noise = reference.noise.unwrap_or(0.0);
     let exposure = Exposure::Auto.stops(mean_radiance(&plain));
     let picture_of = |shaded: &Shaded| -> Result<Picture> {
@@ -41,8 +41,7 @@ pub fn section(demo: &Demo, arguments: &Arguments) -> Result<Section> {
     let (sun_parts, rest_parts): (Vec<Part>, Vec<Part>) =
         parted.parts().iter().cloned().partition(|part| matches!(part.source, Source::Disc(_)));
     let rest = Light::new(rest_parts);
-    let sun = damped(&Light::new(sun_parts).project(bands)?)?;
-    let parted_coeffs = sum(&rest.project(bands)?, &sun);
+    let parted_coeffs = with_damped_sun(&rest.project(bands)?, &Light::new(sun_parts).project(bands)?)?;
     let rest_map = LatLong::of_light(&rest);
     for (stem, title, coeffs, original) in [
         ("plain", "As projected", &plain, &original),
@@ -93,6 +92,25 @@ fn damped(light: &LightCoeffs) -> Result<LightCoeffs> {
         None => Ok(light.clone()),
     }
 }
+
+/// The sum, of which only the sun is damped: as little as leaves it nowhere negative, where the rest alone is not.
+fn with_damped_sun(rest: &LightCoeffs, sun: &LightCoeffs) -> Result<LightCoeffs> {
+    let least = |light: &LightCoeffs| -> Result<f64> {
+        let of = |channel: &Vec<f32>| minimum(channel).map(|minimum| minimum.value);
+        let values = light.channels.iter().map(of).collect::<ylm::Result<Vec<_>>>()?;
+        Ok(values.into_iter().fold(f64::INFINITY, f64::min))
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        let trial = sum(rest, &sun.windowed(Window::Poisson(middle))?);
+        if least(&trial)? >= 0.0 { low = middle } else { high = middle }
+    }
+    Ok(sum(rest, &sun.windowed(Window::Poisson(low))?))
+}
+
+/// Halvings of a window's radius: to a thousandth.
+const HALVINGS: usize = 10;
 
 /// Two lights of the same bands together.
 fn sum(light: &LightCoeffs, other: &LightCoeffs) -> LightCoeffs {
