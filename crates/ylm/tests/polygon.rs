@@ -82,7 +82,7 @@ fn polygons_project_to_their_integrals() {
         ),
         ("through both axes", &[[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]),
     ];
-    // Measured: 2e-14 at 32 bands and 3e-13 at 128, the triangle; the rule is exact to rounding with these nodes.
+    // The rule is exact to rounding with these nodes.
     for (n, count, tolerance) in [(1, 40, 1e-14), (5, 60, 1e-14), (32, 90, 1e-13), (128, 180, 2e-12)] {
         for (name, corners, triangles) in cases.iter().take(if n == 128 { 1 } else { 4 }) {
             let mut expected = vec![0.0; n * n];

@@ -80,7 +80,7 @@ impl Monochrome {
 ///
 /// Shapes, units and rounding: as [`super::shade_diffuse`]. Light that the scene sent out when it was baked keeps its colour.
 /// Cost: 3n² multiply-adds a point, n² where the light has one colour, however often light bounced; in parallel, the same
-/// bytes for any number of threads. Bench `cheap-forms`.
+/// bytes for any number of threads.
 ///
 /// # Errors
 /// If the points are not as many as were baked.

@@ -182,7 +182,7 @@ fn inverse_weights(places: &[Vec3], point: Vec3, power: f32) -> Vec<(usize, f32)
 
 /// The light as each point sees it, exactly.
 ///
-/// Cost: a projection a point: about a microsecond for a sphere at 6 bands, more for a polygon.
+/// Cost: a projection a point, of a polygon more than of a sphere.
 pub struct AtEachPoint<'a> {
     bands: Bands,
     project: &'a Project<'a>,

@@ -42,7 +42,7 @@ pub struct Minimum {
 /// Shapes: `coeffs` n².
 /// Error: `uncertainty` is at most 1e-6 of max f − min f, by the bounds of this module, whatever the function
 /// (tests/minimum.rs).
-/// Cost: about 800 n² values by FFT, and what it takes to tell apart near-equal minima: ms at 6 bands, 20 ms at 32.
+/// Cost: about 800 n² values by FFT, and what it takes to tell apart near-equal minima.
 ///
 /// # Errors
 /// If the number of coefficients is no square up to 256², or one is not finite.
