@@ -75,6 +75,12 @@ impl BallOptions {
         self.balls.iter().map(|ball| ball.seen_from(place)).collect()
     }
 
+    /// What the balls that stand before a lamp cover, seen from one place.
+    pub fn before(&self, lamp: Vec3, place: Vec3) -> Vec<Cap> {
+        let before = self.balls.iter().filter(|ball| ball.is_before(lamp, place));
+        before.map(|ball| ball.seen_from(place)).collect()
+    }
+
     /// The scene and the balls together.
     ///
     /// # Errors

@@ -207,7 +207,7 @@ fn light(path: &Path, options: &ReadOptions) -> Result<Map<String, Value>> {
 }
 
 fn description(path: &Path, light: &Light) -> Result<Map<String, Value>> {
-    let mean = crate::light::mean_radiance(&light.project(Bands::new(1)?)?);
+    let mean = light.project(Bands::new(1)?)?.mean_radiance();
     let mut description = light.to_json(path.parent().unwrap_or(Path::new("")), "")?;
     Ok(object(json!({
         "kind": "light description",
@@ -227,7 +227,7 @@ fn coefficients(coeffs: &LightCoeffs) -> Map<String, Value> {
     object(json!({
         "kind": "light",
         "bands": coeffs.bands.count(),
-        "mean_radiance": crate::light::mean_radiance(coeffs).to_array(),
+        "mean_radiance": coeffs.mean_radiance().to_array(),
         "band_energies": energies.collect::<Vec<_>>(),
     }))
 }

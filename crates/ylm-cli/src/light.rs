@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PathBufValueParser, TypedValueParser};
-use glam::Vec3;
 use serde_json::{Value, json};
 use ylm::{Bands, bands};
 use ylm_prt::error::Result;
@@ -131,7 +130,7 @@ fn text(arguments: &Arguments, coeffs: &LightCoeffs, window: &str) -> String {
 }
 
 fn value(arguments: &Arguments, coeffs: &LightCoeffs) -> Value {
-    let mean = mean_radiance(coeffs);
+    let mean = coeffs.mean_radiance();
     json!({
         "light": arguments.light,
         "bands": coeffs.bands.count(),
@@ -139,10 +138,4 @@ fn value(arguments: &Arguments, coeffs: &LightCoeffs) -> Value {
         "output": arguments.output.as_deref().map(path_value),
         "coefficients": coeffs.channels,
     })
-}
-
-/// The mean over the sphere: c_0 Y_0.
-pub fn mean_radiance(coeffs: &LightCoeffs) -> Vec3 {
-    let y0 = 0.5 * std::f32::consts::FRAC_1_PI.sqrt();
-    Vec3::from(coeffs.channels.each_ref().map(|channel| channel[0] * y0))
 }

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use ylm::Bands;
 use ylm::window::Window;
 use ylm_prt::error::Result;
-use ylm_prt::light::{Light, LightCoeffs};
+use ylm_prt::light::{Light, LightCoeffs, Part};
 use ylm_prt::shade::{AtEachPoint, Blend, Incident, LightSamples, MAX_SAMPLES, Project};
 
 use crate::options;
@@ -61,8 +61,16 @@ fn count(text: &str) -> std::result::Result<usize, String> {
 /// A light split into what is the same everywhere, projected once, and what stands somewhere.
 pub struct NearLight {
     far: LightCoeffs,
-    near: Light,
+    lamps: Vec<Lamp>,
+}
+
+/// One part of a light that stands somewhere.
+pub struct Lamp {
+    light: Light,
     window: Option<Window>,
+    bands: Bands,
+    /// Its middle.
+    pub place: Vec3,
 }
 
 impl NearLight {
@@ -71,19 +79,46 @@ impl NearLight {
     /// # Errors
     /// If a coefficient leaves the range of f32.
     pub fn new(light: &Light, window: Option<Window>, bands: Bands) -> Result<Self> {
-        Ok(Self { far: light.far().project(bands)?.windowed_by(window)?, near: light.local(), window })
+        let lamp = |part: &Part| {
+            let light = Light::new(vec![part.clone()]);
+            part.place().map(|place| Lamp { light, window, bands, place })
+        };
+        Ok(Self {
+            far: light.far().project(bands)?.windowed_by(window)?,
+            lamps: light.parts().iter().filter_map(lamp).collect(),
+        })
     }
 
-    /// The light that a place sees.
+    /// What comes from far away.
+    pub fn far(&self) -> &LightCoeffs {
+        &self.far
+    }
+
+    /// What stands somewhere.
+    pub fn lamps(&self) -> &[Lamp] {
+        &self.lamps
+    }
+
+    /// All light that a place sees.
     ///
     /// # Errors
     /// As [`NearLight::new`].
     pub fn at(&self, place: Vec3) -> Result<LightCoeffs> {
-        let mut light = self.near.project_at(place, self.far.bands)?.windowed_by(self.window)?;
-        for (channel, far) in light.channels.iter_mut().zip(&self.far.channels) {
-            channel.iter_mut().zip(far).for_each(|(near, far)| *near += far);
+        let mut sum = self.far.clone();
+        for lamp in &self.lamps {
+            sum.add(&lamp.at(place)?);
         }
-        Ok(light)
+        Ok(sum)
+    }
+}
+
+impl Lamp {
+    /// Its light as a place sees it.
+    ///
+    /// # Errors
+    /// If a coefficient leaves the range of f32.
+    pub fn at(&self, place: Vec3) -> Result<LightCoeffs> {
+        self.light.project_at(place, self.bands)?.windowed_by(self.window)
     }
 }
 

@@ -18,7 +18,6 @@ use ylm_prt::transfer::Baked;
 
 use crate::info::Kind;
 use crate::interrupt;
-use crate::light::mean_radiance;
 use crate::options::{self, Exposure, LightOptions};
 use crate::output::{Output, path_value};
 
@@ -256,7 +255,7 @@ fn light(arguments: &Arguments, output: &Output) -> Result<Plot> {
         function: Function::rgb(&coeffs),
         original: (!is_coeffs).then(|| LatLong::of_light(&light)),
     };
-    let mut plot = draw(arguments, &subject, mean_radiance(&coeffs), "light")?;
+    let mut plot = draw(arguments, &subject, coeffs.mean_radiance(), "light")?;
     plot.facts["window"] = arguments.options.window().value(window);
     plot.facts["repaired"] = options::repaired_count(&light).into();
     Ok(plot)

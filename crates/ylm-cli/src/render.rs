@@ -17,13 +17,12 @@ use ylm_prt::reference::Occlusion;
 use ylm_prt::render::{Colours, Raster, ToneMap, develop, render_in};
 use ylm_prt::scene::Camera;
 use ylm_prt::shade::adaptive::Pace;
-use ylm_prt::shade::{AdaptiveScene, AdaptiveSettings, Far, Shadowed, dim, least_nonnegative_at_points};
+use ylm_prt::shade::{AdaptiveScene, AdaptiveSettings, least_nonnegative_at_points};
 use ylm_prt::transfer::Baked;
 
-use crate::balls::{BallOptions, BallShadow, Stage};
+use crate::balls::{BallOptions, Stage};
 use crate::gloss::{self, GlossOptions};
 use crate::interrupt;
-use crate::light::mean_radiance;
 use crate::near::{NearLight, NearOptions};
 use crate::options::{self, CameraPlace, Exposure, LightOptions};
 use crate::output::{Output, path_value};
@@ -164,8 +163,8 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     let raster = Raster { width, height, samples: arguments.samples.into() };
     let place = arguments.camera.unwrap_or_default();
     let camera = place.camera(&baked.points.positions, raster.aspect())?;
-    let middle = middle(&baked.points.positions);
-    let exposure = arguments.exposure.stops(mean_radiance(&light.project_at(middle, Bands::new(1)?)?));
+    let middle = shading::middle(&baked.points.positions);
+    let exposure = arguments.exposure.stops(light.project_at(middle, Bands::new(1)?)?.mean_radiance());
     let ordered = arguments.shading.is_adaptive().then(|| AdaptiveScene::new(&baked));
     let window = choose_window(arguments, &baked, &light)?;
     let mut scene =
@@ -260,7 +259,7 @@ impl Scene<'_> {
             Background::Light => light.radiance_at(camera.eye(), direction),
             Background::Black => Vec3::ZERO,
         };
-        let middle = middle(&baked.points.positions);
+        let middle = shading::middle(&baked.points.positions);
         let coeffs = light.project_at(middle, baked.transfer.bands)?.windowed_by(window)?;
         let mut radiance = shaded.radiance.clone();
         radiance.extend(stage.light_balls(&arguments.view.part_of(coeffs)?));
@@ -371,15 +370,17 @@ fn choose_window(arguments: &Arguments, baked: &Baked, light: &Light) -> error::
     match choice {
         WindowChoice::None => Ok(None),
         WindowChoice::AutoPoints if light.is_local() => least_nonnegative_at_points(|window| {
-            Ok(light_near_points(arguments, baked, light, window, &Ok)?.radiance)
+            let near = NearLight::new(light, window, used_bands(arguments, baked))?;
+            Ok(shading::diffuse_near(baked, &near, &arguments.near, &arguments.balls, &Ok)?.radiance)
         }),
         WindowChoice::AutoPoints => {
             let coeffs = light.project(bands)?;
             least_nonnegative_at_points(|window| {
-                Ok(light_points(arguments, baked, &coeffs.clone().windowed_by(window)?)?.radiance)
+                let light = coeffs.clone().windowed_by(window)?;
+                Ok(shading::diffuse_behind(baked, &light, &arguments.balls)?.radiance)
             })
         }
-        choice => choice.of(&light.project_at(middle(&baked.points.positions), bands)?),
+        choice => choice.of(&light.project_at(shading::middle(&baked.points.positions), bands)?),
     }
 }
 
@@ -404,57 +405,13 @@ fn shade(
         _ => {
             let part = |light| arguments.view.part_of(light);
             if light.is_local() {
-                return light_near_points(arguments, baked, light, window, &part);
+                let near = NearLight::new(light, window, used_bands(arguments, baked))?;
+                return shading::diffuse_near(baked, &near, &arguments.near, &arguments.balls, &part);
             }
-            light_points(arguments, baked, &part(coeffs(used_bands(arguments, baked))?)?)
+            let far = part(coeffs(used_bands(arguments, baked))?)?;
+            shading::diffuse_behind(baked, &far, &arguments.balls)
         }
     }
-}
-
-/// Lights the points by a light from far away, behind the balls if there are any.
-fn light_points(arguments: &Arguments, baked: &Baked, light: &LightCoeffs) -> error::Result<Shaded> {
-    match arguments.balls.shadow() {
-        None => Ok(shading::diffuse(baked, light)),
-        Some(BallShadow::Object) => {
-            let caps = arguments.balls.seen_from(middle(&baked.points.positions));
-            Ok(shading::diffuse(baked, &dim(light, &caps)?))
-        }
-        Some(BallShadow::Vertex) => {
-            shading::diffuse_under(baked, &Shadowed::new(&Far::new(light), arguments.balls.balls()))
-        }
-    }
-}
-
-/// Lights the points by a part of a light that stands somewhere.
-fn light_near_points(
-    arguments: &Arguments,
-    baked: &Baked,
-    light: &Light,
-    window: Option<Window>,
-    part: &(dyn Fn(LightCoeffs) -> error::Result<LightCoeffs> + Sync),
-) -> error::Result<Shaded> {
-    let bands = used_bands(arguments, baked);
-    let near = NearLight::new(light, window, bands)?;
-    let positions = &baked.points.positions;
-    let caps = match arguments.balls.shadow() {
-        Some(BallShadow::Object) => arguments.balls.seen_from(middle(positions)),
-        _ => Vec::new(),
-    };
-    let project = |place: Vec3| dim(&part(near.at(place)?)?, &caps);
-    let incident = arguments.near.incident(positions, bands, &project)?;
-    match arguments.balls.shadow() {
-        Some(BallShadow::Vertex) => {
-            shading::diffuse_under(baked, &Shadowed::new(&*incident, arguments.balls.balls()))
-        }
-        _ => shading::diffuse_under(baked, &*incident),
-    }
-}
-
-/// The middle of the points' bounding box.
-fn middle(positions: &[Vec3]) -> Vec3 {
-    let infinite = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-    let [low, high] = positions.iter().fold(infinite, |[low, high], p| [low.min(*p), high.max(*p)]);
-    low.midpoint(high)
 }
 
 fn reference(arguments: &Arguments, baked: &Baked, stage: &Stage, light: &Light) -> error::Result<Shaded> {

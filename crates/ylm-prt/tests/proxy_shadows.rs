@@ -7,9 +7,9 @@ use ylm::product::matrix::ProductMatrix;
 use ylm::zonal::Zonal;
 use ylm::{Bands, Level, Workspace};
 use ylm_prt::light::{Light, LightCoeffs};
-use ylm_prt::reference::{Occlusion, Settings, irradiance_of};
+use ylm_prt::reference::{Occlusion, Settings, irradiance, irradiance_of};
 use ylm_prt::scene::{Blockers, Bvh, LightingPoints, ball};
-use ylm_prt::shade::{Ball, Cap, Far, Shadowed, dim, shade_diffuse, shade_diffuse_under};
+use ylm_prt::shade::{AtEachPoint, Ball, Cap, Far, Shadowed, dim, shade_diffuse, shade_diffuse_under};
 use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, TransferKind, bake};
 
 fn bands(n: usize) -> Bands {
@@ -207,4 +207,44 @@ fn more_bands_bring_the_shadow_to_that_of_the_ball_as_a_mesh() {
 
 fn light_of(light: &Light, n: usize) -> LightCoeffs {
     light.project(bands(n)).unwrap()
+}
+
+#[test]
+fn a_ball_dims_a_lamp_behind_it_and_none_before_it() {
+    let n = 20;
+    let (center, radius) = (Vec3::new(0.2, 1.5, 0.0), 0.4);
+    let [before, behind_it] =
+        ["sphere?pos=0.1,0.7,0.1&radius=0.2&color=1,0.5,0", "sphere?pos=0.3,3,0&radius=0.5&intensity=4"];
+    let mesh = ball(center, radius, 4);
+    let bvh = Bvh::build(&mesh.positions, &mesh.triangles);
+    let settings = Settings { rays: 4096, seed: 5, bias: 0.0, t_max: f32::INFINITY };
+    let baked = open(&floor(), n);
+    let indices: Vec<u32> = (0..36).collect();
+    let dark = light("white?intensity=0", n);
+    let far = Far::new(&dark);
+    let shaded = |spec: &str, balls: &[Ball]| {
+        let light = Light::parse(spec).unwrap();
+        let project = |place: Vec3| light.project_at(place, bands(n));
+        let at_points = AtEachPoint::new(bands(n), &project);
+        let place = light.parts()[0].place().unwrap();
+        let light = Shadowed::new(&far, balls).and_lamp(&at_points, place).unwrap();
+        shade_diffuse_under(&baked, &light).unwrap()
+    };
+    let reference = |spec: &str| {
+        let light = Light::parse(spec).unwrap();
+        let found =
+            irradiance(&baked.points, &indices, Occlusion::By(&bvh), &light, &settings, &|_| true).unwrap();
+        found.values.iter().map(|e| e * std::f32::consts::FRAC_1_PI).collect::<Vec<_>>()
+    };
+    let error = |found: &[Vec3], expected: &[Vec3]| {
+        let square: f32 = found.iter().zip(expected).map(|(a, e)| (a - e).length_squared()).sum();
+        (square / expected.iter().map(|e| e.length_squared()).sum::<f32>()).sqrt()
+    };
+    let balls = [Ball::new(center, radius).unwrap()];
+    // As if there were no ball.
+    assert_eq!(shaded(before, &balls), shaded(before, &[]));
+    let errors = [before, behind_it].map(|spec| error(&shaded(spec, &balls), &reference(spec)));
+    let without = error(&shaded(behind_it, &[]), &reference(behind_it));
+    println!("{errors:?}, without the ball {without}");
+    assert!(errors.iter().all(|error| *error <= 0.02) && without >= 0.1, "{errors:?}, {without}");
 }

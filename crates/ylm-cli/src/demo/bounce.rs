@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use serde_json::json;
 use ylm_prt::error::Result;
+use ylm_prt::format::write_baked;
 use ylm_prt::light::Light;
 use ylm_prt::render::{Colours, ToneMap, develop};
 use ylm_prt::scene::{Blockers, Bvh, LightingPoints, demo};
@@ -44,6 +45,7 @@ pub fn section(arguments: &Arguments) -> Result<Section> {
     let seconds = start.elapsed().as_secs_f64();
     let record = BakeRecord::new(&settings, Vec::new(), String::new());
     let baked = Baked { points, blockers: Blockers::default(), transfer, record };
+    write_baked(&arguments.out.join("room.safetensors"), &baked)?;
     let count = baked.transfer.bounced.as_ref().map_or(0, |bounced| bounced.energies.len());
 
     let light = Light::parse(LIGHT)?;
@@ -51,7 +53,7 @@ pub fn section(arguments: &Arguments) -> Result<Section> {
     let direct = shading::diffuse(&baked.only_bounce(0)?, &coeffs);
     let first = shading::diffuse(&baked.only_bounce(1)?, &coeffs);
     let all = shading::diffuse(&baked, &coeffs);
-    let reference = shading::reference(&baked, &bvh, &light, 2 * arguments.reference_rays)?;
+    let reference = shading::reference(&baked, &bvh, &light, arguments.reference_rays)?;
     let noise = reference.noise.unwrap_or(0.0);
     let (direct_error, all_error) = (relative_error(&direct, &reference)?, relative_error(&all, &reference)?);
     let from = |error: f64| format!("{} from the reference", percent(error));
@@ -86,7 +88,7 @@ pub fn section(arguments: &Arguments) -> Result<Section> {
             "A room with a lamp of its own. Walls colour what stands beside them, and the ceiling, which no light reaches \
              directly, is lit by the floor. Baked in {seconds:.1} s until a bounce holds less than a hundredth."
         ),
-        command: "ylm bake room.glb --transfer interreflected -o room.safetensors".to_owned(),
+        command: format!("ylm render room.safetensors --light \"{LIGHT}\" -o room.png"),
         figures,
         numbers: Vec::new(),
         json: json!({

@@ -8,7 +8,6 @@ use ylm_prt::render::{Colours, ToneMap, develop};
 
 use super::report::Section;
 use super::{Arguments, Demo, PLOT_WIDTH, relight, save, smaller};
-use crate::light::mean_radiance;
 use crate::options::Exposure;
 use crate::shading;
 
@@ -26,7 +25,7 @@ pub fn section(demo: &Demo, arguments: &Arguments) -> Result<Section> {
         function: Function::rgb(&coeffs),
         original: Some(LatLong::of_light(&light)),
     };
-    let exposure = Exposure::Auto.stops(mean_radiance(&coeffs));
+    let exposure = Exposure::Auto.stops(coeffs.mean_radiance());
     let development = Development { exposure, tone_map: ToneMap::Aces };
     let (plot, range) = figure(&subject, &[View::Map, View::Sphere], development)?;
     let picture = plot.to_picture(PLOT_WIDTH)?;

@@ -72,9 +72,9 @@ pub fn lamp_section(demo: &Demo, arguments: &Arguments) -> Result<Section> {
 const MIDDLE: Vec3 = Vec3::new(0.0, 0.8, 0.0);
 
 /// The light of the ball's shadow, and the ball: its centre and its radius.
-const BALL_LIGHT: &str = "sky:overcast?intensity=0.55&color=0.75,0.88,1.1\
-    +disc?dir=-0.6,1,0.55&angle=12&intensity=26&color=1,0.85,0.62";
-const BALL: (Vec3, f32) = (Vec3::new(-2.55, 0.75, 0.95), 0.45);
+const BALL_LIGHT: &str = "sky:overcast?intensity=0.45&color=0.8,0.9,1.05\
+    +disc?dir=-0.65,0.85,-0.2&angle=14&intensity=26&color=1,0.85,0.62";
+const BALL: (Vec3, f32) = (Vec3::new(-0.65, 0.6, 3.15), 0.42);
 
 /// A ball that moves through the light: without it, with its proxy shadow, by brute force.
 pub fn ball_section(demo: &Demo, arguments: &Arguments) -> Result<Section> {

@@ -14,7 +14,6 @@ use ylm_prt::render::{Colours, ToneMap, develop};
 use super::relight::relative_error;
 use super::report::Section;
 use super::{Arguments, Demo, PLOT_WIDTH, percent, save, side_rays, smaller};
-use crate::light::mean_radiance;
 use crate::options::Exposure;
 use crate::shading::{self, Shaded};
 
@@ -30,7 +29,7 @@ pub fn section(demo: &Demo, arguments: &Arguments) -> Result<Section> {
     let windowed = damped(&plain)?;
     let reference = shading::reference(&demo.shadowed, &demo.bvh, &light, side_rays(arguments))?;
     let noise = reference.noise.unwrap_or(0.0);
-    let exposure = Exposure::Auto.stops(mean_radiance(&plain));
+    let exposure = Exposure::Auto.stops(plain.mean_radiance());
     let picture_of = |shaded: &Shaded| -> Result<Picture> {
         let image = demo.draw_in(Colours::Radiance, &shaded.radiance, smaller(arguments))?;
         Ok(develop(&image, exposure, ToneMap::Aces))

@@ -101,6 +101,20 @@ impl LightCoeffs {
         Self { bands, channels }
     }
 
+    /// The mean over all directions.
+    pub fn mean_radiance(&self) -> Vec3 {
+        Vec3::from_array(
+            self.channels.each_ref().map(|channel| channel[0] / (4.0 * std::f32::consts::PI).sqrt()),
+        )
+    }
+
+    /// Adds another light, in the bands that both have.
+    pub fn add(&mut self, other: &Self) {
+        for (sum, channel) in self.channels.iter_mut().zip(&other.channels) {
+            sum.iter_mut().zip(channel).for_each(|(sum, c)| *sum += c);
+        }
+    }
+
     /// Band `l` alone, the other coefficients 0: what this band adds to the light.
     ///
     /// # Errors

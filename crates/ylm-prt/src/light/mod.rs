@@ -71,6 +71,11 @@ impl Part {
             .map(|distance| distance as f32)
     }
 
+    /// Where the source stands in the world: its middle, for a polygon that of its corners; none if it is far.
+    pub fn place(&self) -> Option<Vec3> {
+        self.source.middle().map(|middle| (self.world_from_local.as_dquat().normalize() * middle).as_vec3())
+    }
+
     /// The part within a sum that is itself scaled and turned.
     fn placed(mut self, scale: Vec3, rotation: Quat) -> Self {
         self.scale *= scale;

@@ -37,6 +37,17 @@ impl Source {
         matches!(self, Self::Sphere(_) | Self::Polygon(_))
     }
 
+    /// The middle of a source that stands somewhere, in its own axes.
+    pub(crate) fn middle(&self) -> Option<DVec3> {
+        match self {
+            Self::Sphere(sphere) => Some(sphere.centre),
+            Self::Polygon(polygon) => {
+                Some(polygon.corners().iter().sum::<DVec3>() / polygon.corners().len() as f64)
+            }
+            _ => None,
+        }
+    }
+
     /// The radiance that arrives at a point from a unit direction, both in the source's own axes.
     pub(crate) fn radiance(&self, point: DVec3, direction: Vec3) -> Vec3 {
         match self {

@@ -4,7 +4,6 @@
 //! that the ball itself would reflect is left out.
 
 use std::f64::consts::PI;
-use std::ops::Range;
 
 use glam::Vec3;
 use ylm::product::cap::CapProduct;
@@ -13,7 +12,6 @@ use ylm::{Bands, basis::basis_at};
 
 use crate::error::{Error, Result};
 use crate::light::LightCoeffs;
-use crate::shade::incident::{Incident, channel_count};
 
 /// A ball that lets no light through.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,6 +52,11 @@ impl Ball {
     /// The radius.
     pub fn radius(&self) -> f32 {
         self.radius
+    }
+
+    /// Whether the ball is nearer to a point than a lamp is, both by their middles: it stands before the lamp there.
+    pub fn is_before(&self, lamp: Vec3, point: Vec3) -> bool {
+        self.center.distance_squared(point) < lamp.distance_squared(point)
     }
 
     /// What the ball covers, seen from a point: sin a = radius / distance.
@@ -119,14 +122,14 @@ pub fn dim(light: &LightCoeffs, caps: &[Cap]) -> Result<LightCoeffs> {
 
 /// Buffers of [`cut`].
 #[derive(Default)]
-struct Scratch {
+pub(super) struct Scratch {
     axes: Vec<[f32; 3]>,
     half_angles: Vec<f64>,
     inside: Vec<f32>,
 }
 
 /// Takes the cap of each point out of its light, [point, channel, n²].
-fn cut(
+pub(super) fn cut(
     product: &CapProduct<f32>,
     caps: &[Cap],
     channels: usize,
@@ -150,40 +153,4 @@ fn cut(
         }
     }
     Ok(())
-}
-
-/// A light behind balls, which each lighting point sees where they stand for it.
-pub struct Shadowed<'a> {
-    light: &'a dyn Incident,
-    balls: Vec<Ball>,
-    product: CapProduct<f32>,
-}
-
-impl<'a> Shadowed<'a> {
-    /// The light behind the balls.
-    ///
-    /// Error: as [`dim`]. Cost: a product with a cap for each point, channel and ball.
-    pub fn new(light: &'a dyn Incident, balls: &[Ball]) -> Self {
-        Self { light, balls: balls.to_vec(), product: CapProduct::new(light.bands()) }
-    }
-}
-
-impl Incident for Shadowed<'_> {
-    fn bands(&self) -> Bands {
-        self.light.bands()
-    }
-
-    fn tint(&self) -> Option<Vec3> {
-        self.light.tint()
-    }
-
-    fn write(&self, positions: &[Vec3], range: Range<usize>, out: &mut [f32]) -> Result<()> {
-        self.light.write(positions, range.clone(), out)?;
-        let mut scratch = Scratch::default();
-        for ball in &self.balls {
-            let caps: Vec<Cap> = positions[range.clone()].iter().map(|p| ball.seen_from(*p)).collect();
-            cut(&self.product, &caps, channel_count(self.light), out, &mut scratch)?;
-        }
-        Ok(())
-    }
 }

@@ -21,9 +21,10 @@ mod linear;
 mod monochrome;
 mod near;
 mod ringing;
+mod shadowed;
 
 pub use adaptive::{AdaptiveScene, AdaptiveSettings, shade_adaptive};
-pub use ball::{Ball, Cap, Shadowed, dim};
+pub use ball::{Ball, Cap, dim};
 pub use diffuse::shade_diffuse;
 pub use glossy::{GlossyLight, GlossyMaterial, Received, SpecularWay, shade_glossy};
 pub use incident::{Far, Incident, shade_diffuse_under};
@@ -31,3 +32,4 @@ pub use linear::{LinearIrradiance, shade_linear};
 pub use monochrome::{Monochrome, shade_monochrome};
 pub use near::{AtEachPoint, Blend, LightSamples, MAX_SAMPLES, Project};
 pub use ringing::least_nonnegative_at_points;
+pub use shadowed::Shadowed;
