@@ -10,7 +10,7 @@ use super::near;
 use super::samples::{point, seed};
 use crate::error::{Error, Result};
 use crate::light::{Light, LightSampler};
-use crate::scene::{Bvh, Directions, LightingPoints, Vantage};
+use crate::scene::{Bvh, Directions, LightingPoints, Vantage, Vantages};
 
 /// How many rays, and which.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,7 +121,7 @@ pub fn irradiance_of(
     settings: &Settings,
     watch: &(dyn Fn(usize) -> bool + Sync),
 ) -> Result<Irradiance> {
-    let integrator = Integrator { points, occlusion, radiance, sampler, settings };
+    let integrator = Integrator::new(points, occlusion, radiance, sampler, settings);
     let estimate = |index: usize, half: u64, scratch: &mut Scratch| Ok(integrator.half(index, half, scratch));
     at_each(points, at, watch, &estimate)
 }
@@ -174,11 +174,11 @@ pub(super) fn at_each(
 }
 
 pub(super) struct Integrator<'a> {
-    pub points: &'a LightingPoints,
-    pub occlusion: Occlusion<'a>,
-    pub radiance: &'a (dyn Fn(Vec3) -> Vec3 + Sync),
-    pub sampler: Option<&'a dyn DirectionSampler>,
-    pub settings: &'a Settings,
+    vantages: Vantages<'a>,
+    occlusion: Occlusion<'a>,
+    radiance: &'a (dyn Fn(Vec3) -> Vec3 + Sync),
+    sampler: Option<&'a dyn DirectionSampler>,
+    settings: &'a Settings,
 }
 
 /// A direction above the surface, and what it adds where it is open.
@@ -217,20 +217,30 @@ impl Scratch {
     }
 }
 
-impl Integrator<'_> {
+impl<'a> Integrator<'a> {
+    pub fn new(
+        points: &'a LightingPoints,
+        occlusion: Occlusion<'a>,
+        radiance: &'a (dyn Fn(Vec3) -> Vec3 + Sync),
+        sampler: Option<&'a dyn DirectionSampler>,
+        settings: &'a Settings,
+    ) -> Self {
+        let vantages = Vantages::new(points, settings.bias, settings.t_max);
+        Self { vantages, occlusion, radiance, sampler, settings }
+    }
+
     /// The estimate of one of the two halves.
     pub fn half(&self, index: usize, half: u64, scratch: &mut Scratch) -> Vec3 {
         let samples = &mut scratch.samples;
         samples.clear();
-        let (position, normal) = (self.points.positions[index], self.points.normals[index]);
-        let Settings { bias, t_max, .. } = *self.settings;
-        draw(normal, index, half, self.settings, self.sampler, &mut |direction, radiance, weight| {
+        let vantage = self.vantages.of(index);
+        draw(vantage.normal, index, half, self.settings, self.sampler, &mut |direction, radiance, weight| {
             let radiance = radiance.unwrap_or_else(|| (self.radiance)(direction));
             if radiance != Vec3::ZERO {
                 samples.push(Sample { direction, irradiance: radiance * weight });
             }
         });
-        scratch.sum_open(&Vantage { position, normal, bias, t_max }, self.occlusion).as_vec3()
+        scratch.sum_open(&vantage, self.occlusion).as_vec3()
     }
 }
 

@@ -5,7 +5,7 @@ use glam::{DVec3, Mat3, Vec3};
 use super::irradiance::{Irradiance, Occlusion, Sample, Settings, at_each, draw};
 use crate::error::Result;
 use crate::light::{Light, Part};
-use crate::scene::{Directions, LightingPoints, Vantage};
+use crate::scene::{Directions, LightingPoints, Vantage, Vantages};
 
 /// As [`super::irradiance`], of a light with parts that stand somewhere.
 ///
@@ -21,9 +21,10 @@ pub(super) fn irradiance(
 ) -> Result<Irradiance> {
     let sampler = light.sampler()?;
     let (far, near) = (light.far(), light.local());
+    let vantages = Vantages::new(points, settings.bias, settings.t_max);
     at_each(points, at, watch, &|index, half, scratch| {
         let (position, normal) = (points.positions[index], points.normals[index]);
-        let vantage = Vantage { position, normal, bias: settings.bias, t_max: settings.t_max };
+        let vantage = vantages.of(index);
         let mut sum = DVec3::ZERO;
         scratch.samples.clear();
         let sampler = sampler.at(position)?;

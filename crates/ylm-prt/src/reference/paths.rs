@@ -9,7 +9,7 @@ use super::irradiance::{DirectionSampler, Integrator, Irradiance, Occlusion, Set
 use super::samples::{further_point, point, seed};
 use crate::error::{Error, Result};
 use crate::light::Light;
-use crate::scene::{Bvh, Directions, Hit, LightingPoints, Ray, Vantage};
+use crate::scene::{Bvh, Directions, Hit, LightingPoints, Ray, Vantages};
 
 /// Irradiance of a light that also reaches the points by way of the scene, after up to `bounces` reflections, and of what
 /// the scene itself sends out.
@@ -60,7 +60,7 @@ pub fn bounced_irradiance_of(
     settings: &Settings,
     watch: &(dyn Fn(usize) -> bool + Sync),
 ) -> Result<Irradiance> {
-    let integrator = Integrator { points, occlusion: Occlusion::By(bvh), radiance, sampler, settings };
+    let integrator = Integrator::new(points, Occlusion::By(bvh), radiance, sampler, settings);
     let paths = Paths::new(points, bvh, radiance, sampler, settings, bounces);
     let path_count = settings.rays.div_ceil(2).max(1);
     at_each(points, at, watch, &|index, half, scratch| {
@@ -74,6 +74,7 @@ pub fn bounced_irradiance_of(
 /// corners faces there. Albedo, emission and normal are interpolated between its corners.
 pub(super) struct Paths<'a> {
     points: &'a LightingPoints,
+    vantages: Vantages<'a>,
     bvh: &'a Bvh,
     radiance: &'a (dyn Fn(Vec3) -> Vec3 + Sync),
     sampler: Option<&'a dyn DirectionSampler>,
@@ -114,18 +115,17 @@ impl<'a> Paths<'a> {
             stacks.entry(places(points, triangle)).or_default().push(triangle);
         }
         stacks.retain(|_, triangles| triangles.len() > 1);
-        Self { points, bvh, radiance, sampler, settings, bounces, offset, stacks }
+        let vantages = Vantages::new(points, settings.bias, settings.t_max);
+        Self { points, vantages, bvh, radiance, sampler, settings, bounces, offset, stacks }
     }
 
     /// Irradiance at a point from surfaces that it sees, by `count` paths.
     pub fn irradiance(&self, index: usize, half: u64, count: u32) -> Vec3 {
-        let (position, normal) = (self.points.positions[index], self.points.normals[index]);
+        let normal = self.points.normals[index];
         let first = self.stream(index, half, 0);
         let directions: Vec<Vec3> = (0..count).map(|k| cosine_direction(normal, point(k, first))).collect();
         let mut hits = vec![None; directions.len()];
-        let Settings { bias, t_max, .. } = *self.settings;
-        let vantage = Vantage { position, normal, bias, t_max };
-        self.bvh.nearest(&vantage, &Mat3::IDENTITY, &Directions::new(&directions), &mut hits);
+        self.bvh.nearest(&self.vantages.of(index), &Mat3::IDENTITY, &Directions::new(&directions), &mut hits);
         let mut sum = DVec3::ZERO;
         for (k, (hit, &direction)) in (0..count).zip(hits.iter().zip(&directions)) {
             let surface = hit.and_then(|hit| self.surface(&hit, direction));

@@ -8,7 +8,7 @@ use super::irradiance::{DirectionSampler, Irradiance, Occlusion, Sample, Scratch
 use super::samples::{point, seed};
 use crate::error::{Error, Result};
 use crate::light::Light;
-use crate::scene::{LightingPoints, Vantage};
+use crate::scene::{LightingPoints, Vantages};
 
 /// What a surface reflects around the view direction mirrored in its normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,13 +74,13 @@ pub fn specular_of(
             lobe.specular, lobe.shininess
         )));
     }
+    let vantages = Vantages::new(points, settings.bias, settings.t_max);
     let estimate = |index: usize, half: u64, scratch: &mut Scratch| {
         let (position, normal) = (points.positions[index], points.normals[index]);
         scratch.samples.clear();
         let frame = Frame { normal, mirror: mirror(position, normal, lobe.eye), lobe, settings };
         frame.draw(index, half, radiance, sampler, &mut scratch.samples);
-        let Settings { bias, t_max, .. } = *settings;
-        Ok(scratch.sum_open(&Vantage { position, normal, bias, t_max }, occlusion).as_vec3())
+        Ok(scratch.sum_open(&vantages.of(index), occlusion).as_vec3())
     };
     at_each(points, at, watch, &estimate)
 }

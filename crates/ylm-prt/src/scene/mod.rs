@@ -19,10 +19,11 @@ mod text;
 mod texture;
 pub mod topology;
 mod triangulate;
+pub mod vantage;
 
 pub use ball::ball;
 pub use blockers::Blockers;
-pub use bvh::{Bvh, Directions, Hit, Ray, Vantage};
+pub use bvh::{Bvh, Directions, Hit, Ray};
 pub use camera::{Camera, View};
 pub use mesh::{Material, Materials, Mesh, Normals};
 pub use neighbours::Neighbours;
@@ -31,3 +32,4 @@ pub use read::{AlbedoSource, MeshFault, NonFinite, ReadOptions, Repairs, UpAxis}
 pub use texture::TextureFault;
 pub use topology::Topology;
 pub(crate) use triangulate::Cutter;
+pub use vantage::{Vantage, Vantages};

@@ -13,7 +13,7 @@ use super::samples::{SampleSet, SampleSets, row_width};
 use super::sum::sum_rows;
 use super::{BakeSettings, Journal, Piece, Progress, Transfer};
 use crate::error::{Error, Result};
-use crate::scene::{Bvh, Hit, LightingPoints, Vantage};
+use crate::scene::{Bvh, Hit, LightingPoints, Vantage, Vantages};
 
 /// Points whose vectors are turned to the world together: the lanes of [`FrameRotation`].
 pub const BATCH: usize = 16;
@@ -74,6 +74,7 @@ pub struct Baker<'a> {
     pub bvh: &'a Bvh,
     pub settings: &'a BakeSettings,
     pub progress: &'a dyn Progress,
+    vantages: Vantages<'a>,
     sets: SampleSets,
     unblocked: Zonal<f32>,
     rotation: FrameRotation<f32>,
@@ -124,7 +125,8 @@ impl<'a> Baker<'a> {
         let result_bytes = points.positions.len() * bands.coeff_count() * size_of::<f32>();
         let sets = SampleSets::new(bands, rays, seed, (result_bytes / SETS_SHARE).max(SETS_BYTES))?;
         let (unblocked, rotation) = (Zonal::clamped_cosine(bands), FrameRotation::new(bands));
-        Ok(Self { points, bvh, settings, progress, sets, unblocked, rotation })
+        let vantages = Vantages::new(points, bias, t_max);
+        Ok(Self { points, bvh, settings, progress, vantages, sets, unblocked, rotation })
     }
 
     /// Transfer of direct light, of all points; `trace` finds what a point does not see, as [`Baker::trace`] does.
@@ -197,11 +199,9 @@ impl<'a> Baker<'a> {
         if self.progress.is_cancelled() {
             return Err(Error::Interrupted);
         }
-        let (position, normal) = (self.points.positions[point as usize], self.points.normals[point as usize]);
         let (set, spin) = self.sets.choose(self.settings.seed, u64::from(point));
         let (sin, cos) = spin.sin_cos();
-        let BakeSettings { bias, t_max, .. } = *self.settings;
-        Ok((Vantage { position, normal, bias, t_max }, (set, [cos as f32, sin as f32])))
+        Ok((self.vantages.of(point as usize), (set, [cos as f32, sin as f32])))
     }
 
     /// Writes the transfer of up to [`BATCH`] points.

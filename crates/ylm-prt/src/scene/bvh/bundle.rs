@@ -8,12 +8,13 @@ use std::mem::MaybeUninit;
 
 use glam::{Mat3, Vec3};
 
+use super::Bvh;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::Avx2;
 use super::lanes::{Isa, Lanes, Portable};
 use super::node::{LEAF, Node, STACK, TriangleBlock, WIDTH};
 use super::traverse::{Candidates, MAX_ORIGIN, MIN_COMPONENT, PAD, inside, sheared};
-use super::{Bvh, Vantage};
+use crate::scene::Vantage;
 
 /// Rays of a bundle: a bit each.
 pub const SIZE: usize = u64::BITS as usize;
@@ -110,8 +111,7 @@ pub struct Start {
 impl Start {
     pub fn new(bvh: &Bvh, vantage: &Vantage) -> Self {
         let vertex = vantage.position * bvh.scale;
-        let offset = vantage.bias * bvh.diagonal;
-        let origin = vertex + vantage.normal * offset;
+        let origin = vertex + vantage.offset() * bvh.diagonal;
         let reach = origin.abs().max_element().max(1.0);
         let reach = if origin.is_finite() { reach } else { f32::INFINITY };
         let (origin, vertex) = (origin.to_array(), vertex.to_array());

@@ -20,7 +20,7 @@ pub use self::bundle::Directions;
 use self::lanes::Isa;
 use self::node::{Node, TriangleBlock};
 use self::traverse::LocalRay;
-use crate::scene::{Blockers, LightingPoints};
+use crate::scene::{Blockers, LightingPoints, Vantage};
 
 /// A half-line.
 #[derive(Clone, Copy, Debug)]
@@ -40,19 +40,6 @@ impl Ray {
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, t_min: f32::MIN_POSITIVE, t_max: f32::INFINITY }
     }
-}
-
-/// A vertex that looks around.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vantage {
-    /// World position.
-    pub position: Vec3,
-    /// Unit normal.
-    pub normal: Vec3,
-    /// How far along the normal rays start, in diagonals of the lit surface's bounding box.
-    pub bias: f32,
-    /// How far from their start rays end, in the world's units; infinity for rays without end.
-    pub t_max: f32,
 }
 
 /// Where a ray meets a triangle.

@@ -13,7 +13,8 @@ use super::lanes::Avx2;
 use super::lanes::{Isa, Lanes, Portable};
 use super::node::{LEAF, Node, STACK, TriangleBlock, WIDTH};
 use super::traverse::{MAX_ORIGIN, PAD};
-use super::{Bvh, Hit, Vantage};
+use super::{Bvh, Hit};
+use crate::scene::Vantage;
 
 /// Writes the nearest hit of each direction.
 pub fn nearest(

@@ -5,7 +5,8 @@ use std::f32::consts::PI;
 use glam::{DVec3, Mat3, Quat, Vec3, vec3};
 
 use super::lanes::Isa;
-use super::{Bvh, Directions, Hit, Ray, Vantage};
+use super::{Bvh, Directions, Hit, Ray};
+use crate::scene::Vantage;
 
 /// Positions and triangles.
 type Soup = (Vec<Vec3>, Vec<[u32; 3]>);
@@ -334,6 +335,7 @@ fn bundles_hit_what_single_rays_hit() {
                 let vantage = Vantage {
                     position: 1.2 * numbers.point(),
                     normal: Vec3::Y,
+                    inward: Vec3::ZERO,
                     bias: 0.0,
                     t_max: f32::INFINITY,
                 };
@@ -374,7 +376,7 @@ fn the_nearest_hits_of_bundles_are_those_of_single_rays() {
             for _ in 0..20 {
                 // Away from all corners, so that no triangle is left out.
                 let (position, normal) = (0.7 * numbers.point(), numbers.direction());
-                let vantage = Vantage { position, normal, bias: 0.0, t_max };
+                let vantage = Vantage { position, normal, inward: Vec3::ZERO, bias: 0.0, t_max };
                 let frame = Mat3::from_quat(Quat::from_rotation_arc(Vec3::Z, normal));
                 let directions: Vec<Vec3> = (0..count).map(|_| numbers.direction()).collect();
                 let set = Directions::new(&directions);
@@ -415,8 +417,13 @@ fn the_nearest_hits_of_bundles_are_those_of_single_rays() {
 #[test]
 fn bundles_do_not_leak_through_a_closed_mesh() {
     let (positions, triangles) = sphere(16);
-    let vantage =
-        Vantage { position: vec3(0.2, -0.3, 0.1), normal: Vec3::X, bias: 0.0, t_max: f32::INFINITY };
+    let vantage = Vantage {
+        position: vec3(0.2, -0.3, 0.1),
+        normal: Vec3::X,
+        inward: Vec3::ZERO,
+        bias: 0.0,
+        t_max: f32::INFINITY,
+    };
     let mut directions = Vec::new();
     for triangle in &triangles {
         let [a, b, c] = triangle.map(|i| positions[i as usize] - vantage.position);
@@ -434,7 +441,13 @@ fn bundles_end_where_they_are_told_to() {
     let bvhs = every_isa(&soup);
     let directions: Vec<Vec3> = (0..300).map(|_| numbers.direction()).collect();
     for t_max in [1e-3, 0.2, 0.5, 1.0, 3.0] {
-        let vantage = Vantage { position: 1.2 * numbers.point(), normal: Vec3::Y, bias: 0.0, t_max };
+        let vantage = Vantage {
+            position: 1.2 * numbers.point(),
+            normal: Vec3::Y,
+            inward: Vec3::ZERO,
+            bias: 0.0,
+            t_max,
+        };
         let found: Vec<Vec<bool>> =
             bvhs.iter().map(|bvh| blocked(bvh, &vantage, &Mat3::IDENTITY, &directions)).collect();
         assert!(found.iter().all(|f| *f == found[0]), "every instruction set finds the same");
@@ -453,7 +466,8 @@ fn bundles_end_where_they_are_told_to() {
 fn a_closed_mesh_within_reach_does_not_leak_and_one_beyond_does_not_block() {
     let (positions, triangles) = sphere(16);
     // The nearest point of the polyhedron, in f64, and the farthest, a vertex. Through edges and vertices as well.
-    let centre = Vantage { position: Vec3::ZERO, normal: Vec3::X, bias: 0.0, t_max: 1.0 + 1e-6 };
+    let centre =
+        Vantage { position: Vec3::ZERO, normal: Vec3::X, inward: Vec3::ZERO, bias: 0.0, t_max: 1.0 + 1e-6 };
     let nearest = triangles.iter().map(|triangle| {
         let [a, b, c] = triangle.map(|i| positions[i as usize].as_dvec3());
         a.dot((b - a).cross(c - a).normalize()).abs()
@@ -482,7 +496,13 @@ fn a_vertex_is_not_blocked_by_its_own_surface_but_by_walls_around_it() {
         let triangles: Vec<[u32; 3]> = (0..6).map(|i| [0, 1 + i, 1 + (i + 1) % 6]).collect();
         let low = (0..40).map(|i| (i as f32 * 0.9).sin_cos()).map(|(s, c)| vec3(s, 0.02, c).normalize());
         let directions: Vec<Vec3> = low.collect();
-        let vantage = Vantage { position: Vec3::ZERO, normal: Vec3::Y, bias: 1e-5, t_max: f32::INFINITY };
+        let vantage = Vantage {
+            position: Vec3::ZERO,
+            normal: Vec3::Y,
+            inward: Vec3::ZERO,
+            bias: 1e-5,
+            t_max: f32::INFINITY,
+        };
         for bvh in every_isa(&(positions, triangles)) {
             let up = blocked(&bvh, &vantage, &Mat3::IDENTITY, &[Vec3::Y, vec3(0.1, 0.99, -0.1).normalize()]);
             assert!(up.iter().all(|&blocked| blocked != sees_up), "rise {rise}");
