@@ -10,8 +10,8 @@ use ylm_prt::file::check_destination;
 use ylm_prt::format::{Checkpoint, Existing, write_baked};
 use ylm_prt::scene::{Blockers, Bvh, LightingPoints};
 use ylm_prt::transfer::{
-    BakeRecord, BakeSettings, Baked, BounceEnd, Bounces, Journal, KeptBounces, Precision, TransferKind,
-    bake_with_journal,
+    BakeRecord, BakeSettings, Baked, BounceEnd, Bounces, Journal, KeptBounces, Piece, Precision,
+    TransferKind, bake_with_journal,
 };
 
 use crate::interrupt;
@@ -63,6 +63,9 @@ pub struct Arguments {
     /// Where rays end, in the models' units: what is farther away does not block (default: nowhere)
     #[arg(long = "tmax", value_parser = options::positive, value_name = "D")]
     t_max: Option<f32>,
+    /// Also store what each point sees of its hemisphere, cosine or not: for glossy surfaces and shadows that move; as many rays again
+    #[arg(long)]
+    visibility: bool,
     /// Store transfer as 16-bit floats: half the size; docs/results/bake.md has the error
     #[arg(long)]
     half: bool,
@@ -179,6 +182,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         bias: arguments.bias,
         t_max: arguments.t_max.unwrap_or(f32::INFINITY),
         bounces: arguments.bounces(),
+        visibility: arguments.visibility,
     };
     let checkpoint = open_checkpoint(arguments, &source.points, &blockers.meshes, &settings, output)?;
     let bvh = Bvh::of_scene(&source.points, &blockers.meshes);
@@ -218,7 +222,8 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         ));
     }
     let width = settings.bands.coeff_count();
-    let resumed = checkpoint.as_ref().map_or(0, |checkpoint| checkpoint.kept_value_count(0) / width);
+    let resumed_in = |pass| checkpoint.as_ref().map_or(0, |kept| kept.kept_value_count(pass) / width);
+    let (resumed, resumed_visibility) = (resumed_in(Piece::DIRECT), resumed_in(Piece::VISIBILITY));
     if let Some(checkpoint) = checkpoint {
         checkpoint.remove()?;
     }
@@ -227,8 +232,9 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     let rate = ray_count as f64 / bake_seconds / 1e6;
     let rays = if ray_count == 0 { String::new() } else { format!(", {rate:.1} Mrays/s") };
     let bounces = energies.map_or(String::new(), |energies| format!(" of {} bounces", energies.len()));
+    let visibility = if arguments.visibility { " and visibility" } else { "" };
     let text = format!(
-        "{}: {point_count} points, {triangle_count} triangles, {bands} bands, {} transfer{bounces}; {seconds:.1} s{rays}\n",
+        "{}: {point_count} points, {triangle_count} triangles, {bands} bands, {} transfer{bounces}{visibility}; {seconds:.1} s{rays}\n",
         arguments.output.display(),
         kind.name(),
     );
@@ -237,7 +243,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         "transfer": kind.name(), "rays_a_point": baked.record.rays, "rays": ray_count, "seconds": seconds,
         "bake_seconds": bake_seconds, "rays_a_second": ray_count as f64 / bake_seconds, "left_out": source.changes.value(),
         "blocker_triangles": baked.blockers.triangles.len(), "tmax": arguments.t_max, "half": arguments.half,
-        "resumed_points": resumed, "bounces": energies.map(<[_]>::len), "bounce_energies": energies,
+        "visibility": arguments.visibility, "resumed_points": resumed, "resumed_visibility_points": resumed_visibility, "bounces": energies.map(<[_]>::len), "bounce_energies": energies,
     });
     output.result(&text, &value);
     Ok(())
@@ -257,7 +263,7 @@ fn open_checkpoint(
     let existing = if arguments.resume { Existing::Resume } else { Existing::Refuse };
     let checkpoint = Checkpoint::open(&arguments.output, points, blockers, settings, existing)?;
     if arguments.resume {
-        let kept = checkpoint.kept_value_count(0) / settings.bands.coeff_count();
+        let kept = checkpoint.kept_value_count(Piece::DIRECT) / settings.bands.coeff_count();
         output.step(&format!(
             "{}: {kept} of {} points are done already",
             checkpoint.path().display(),

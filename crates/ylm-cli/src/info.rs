@@ -188,6 +188,7 @@ fn baked(path: &Path) -> Result<Map<String, Value>> {
         "blockers": record.blockers,
         "blocker_triangles": baked.blockers.triangles.len(),
         "half": record.precision == Precision::Half,
+        "visibility": baked.transfer.visibility.is_some(),
         "emissive": baked.points.emission.is_some(),
         "bounces": baked.transfer.bounced.as_ref().map(|bounced| bounced.energies.len()),
         "bounce_energies": baked.transfer.bounced.as_ref().map(|bounced| &bounced.energies),

@@ -58,6 +58,11 @@ impl Progress for BakeProgress {
         self.bar.set_prefix(if bounce == 0 { "emission: ".to_owned() } else { format!("bounce {bounce}: ") });
     }
 
+    fn begin_visibility(&self) {
+        self.bar.set_position(0);
+        self.bar.set_prefix("visibility: ");
+    }
+
     fn is_cancelled(&self) -> bool {
         interrupt::is_interrupted()
     }

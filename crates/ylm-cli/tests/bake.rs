@@ -111,6 +111,35 @@ fn half_floats_halve_the_transfer_and_hardly_change_the_picture() {
 }
 
 #[test]
+fn visibility_is_baked_beside_the_transfer_and_told_about() {
+    let place = floor_and_roof();
+    let options = "--blocker roof.obj --rays 256 --bands 4";
+    let plain = place.json(&format!("bake floor.obj -o plain.safetensors {options}"));
+    let seen = place.json(&format!("bake floor.obj -o seen.safetensors {options} --visibility"));
+    assert_eq!((&plain["visibility"], &seen["visibility"]), (&false.into(), &true.into()));
+    assert_eq!(seen["rays"], 2 * plain["rays"].as_u64().unwrap());
+    let info =
+        ["plain", "seen"].map(|name| place.json(&format!("info {name}.safetensors"))["visibility"].clone());
+    assert_eq!(info, [false, true]);
+    let bytes = |name: &str| fs::read(place.path(&format!("{name}.safetensors"))).unwrap();
+    let (plain, seen) = (bytes("plain"), bytes("seen"));
+    // 81 points × 16 coefficients, and what the header says of them.
+    assert!((5184..5184 + 200).contains(&(seen.len() - plain.len())));
+    // Half of the numbers of the middle point, at the end of the file: first V_0, the open ring under the roof of half side 10 above.
+    let first = |point: usize| {
+        let at = seen.len() - (81 - point) * 16 * 4;
+        f64::from(f32::from_le_bytes(seen[at..at + 4].try_into().unwrap()))
+    };
+    let open = first(40) * (4.0 * std::f64::consts::PI).sqrt();
+    // A square of half side a at height 1 covers 4 asin(a²/(1+a²)).
+    let covered = 4.0 * (100.0f64 / 101.0).asin();
+    // 256 rays along a rim of 1/10: 2 % of the sphere measured over seeds.
+    assert!((open - (2.0 * std::f64::consts::PI - covered)).abs() <= 0.1, "{open} {covered}");
+    let unshadowed = place.json("bake floor.obj -o open.safetensors --transfer unshadowed --visibility");
+    assert_eq!((&unshadowed["visibility"], &unshadowed["rays"]), (&true.into(), &0.into()));
+}
+
+#[test]
 fn a_blocker_that_cannot_be_read_or_blocks_nothing_is_one_line() {
     let place = floor_and_roof();
     fs::write(place.path("points.obj"), "v 0 0 0\n").unwrap();
@@ -201,6 +230,12 @@ mod interrupted {
     fn a_killed_bake_of_bounces_goes_on_to_the_same_bytes() {
         let bake = format!("{BAKE} --transfer interreflected --bounces 2 --albedo 0.6");
         let resumed = killed(&sheet(), &bake.replace("4096", "2048"), 4);
+        assert!(resumed.iter().any(|&points| points > 0), "{resumed:?}");
+    }
+
+    #[test]
+    fn a_killed_bake_of_visibility_goes_on_to_the_same_bytes() {
+        let resumed = killed(&sheet(), &format!("{} --visibility", BAKE.replace("4096", "2048")), 4);
         assert!(resumed.iter().any(|&points| points > 0), "{resumed:?}");
     }
 

@@ -313,3 +313,25 @@ fn sentence_20_a_plane_of_specular_1_shows_1_along_its_normal_under_white() {
         [Vec3::Y, Vec3::X].map(|eye| shade_glossy(&floor, &lamp, &material, 5.0 * eye).unwrap()[0].x);
     assert!(mirrored > 4.0 * aside.abs(), "{mirrored} {aside}");
 }
+
+#[test]
+fn sentence_21_visibility_is_0_below_the_tangent_plane_and_where_something_blocks() {
+    // A point by itself, and one that half a sky is hidden from, x > 0.
+    let lit = LightingPoints {
+        positions: vec![Vec3::ZERO],
+        normals: vec![Vec3::Y],
+        albedo: vec![[1.0; 3]],
+        ..LightingPoints::default()
+    };
+    let wall = [vec3(1e-3, -1e4, -1e4), vec3(1e-3, 1e4, 0.0), vec3(1e-3, -1e4, 1e4)];
+    let settings = BakeSettings { bands: bands(), visibility: true, rays: 4096, ..BakeSettings::default() };
+    let shares = [Bvh::build(&[], &[]), Bvh::build(&wall, &[[0, 1, 2]])].map(|bvh| {
+        let visibility = bake(&lit, &bvh, &settings, &()).unwrap().visibility.unwrap();
+        // Of the whole sphere: ∫ V / 4π; and of its upper half as the first band sees it: ∫ V y.
+        [visibility[0] / (4.0 * PI).sqrt(), visibility[1] / -(3.0 / (4.0 * PI)).sqrt()]
+    });
+    close(shares[0][0], 0.5);
+    close(shares[0][1], PI);
+    // A straight edge through the pole, 4096 samples: 0.2 % as in tests/visibility.rs.
+    assert!((shares[1][0] - 0.25).abs() <= 5e-4 && (shares[1][1] - FRAC_PI_2).abs() <= 7e-3, "{shares:?}");
+}

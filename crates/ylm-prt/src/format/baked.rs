@@ -31,6 +31,9 @@ pub const FORMAT_VERSION: u64 = 2;
 /// The one metadata entry: a JSON object, so that numbers stay numbers and the bytes do not depend on hash order.
 const METADATA_KEY: &str = "ylm";
 
+/// Stands in the metadata if there is plain visibility.
+const VISIBILITY_KEY: &str = "visibility";
+
 /// Stands in the metadata if there are blockers, and names them.
 const BLOCKERS_KEY: &str = "blockers";
 
@@ -66,6 +69,9 @@ pub fn write_baked(path: &Path, baked: &Baked) -> Result<()> {
         tensors.push(("bounced", 3 * width, stored(layers, 3 * width, baked)?));
         let emitted = emitted.iter().map(|layer| layer.as_flattened()).collect();
         tensors.push(("emitted", 3, Content::Singles(emitted)));
+    }
+    if let Some(visibility) = &transfer.visibility {
+        tensors.push(("visibility", width, stored(vec![visibility], width, baked)?));
     }
     let mut end = 0;
     let infos = tensors.iter().map(|(name, width, content)| {
@@ -211,8 +217,20 @@ fn parse_baked(bytes: &[u8]) -> std::result::Result<Baked, BakedFault> {
         TransferKind::Interreflected => Some(bounces::parse(&entry, &tensors, point_count, width)?),
         TransferKind::Unshadowed | TransferKind::Shadowed => None,
     };
+    let visibility = match entry.get(VISIBILITY_KEY) {
+        None | Some(Value::Bool(false)) => None,
+        Some(Value::Bool(true)) => {
+            let visibility = coefficients(&tensors, "visibility", Some(point_count), width)?;
+            check_finite("visibility", &visibility, width)?;
+            Some(visibility)
+        }
+        Some(_) => {
+            let expected = "true or false".to_owned();
+            return Err(BakedFault::Metadata { key: VISIBILITY_KEY, expected });
+        }
+    };
     let points = LightingPoints { positions, normals, albedo, emission, triangles };
-    Ok(Baked { points, blockers, transfer: Transfer { bands, vectors, bounced }, record })
+    Ok(Baked { points, blockers, transfer: Transfer { bands, vectors, bounced, visibility }, record })
 }
 
 /// Rows of f32 that are stored as such or as f16.
@@ -266,6 +284,9 @@ fn metadata(baked: &Baked) -> Value {
     }
     if let Some(bounced) = &baked.transfer.bounced {
         bounces::describe(bounced, record, &mut entry);
+    }
+    if baked.transfer.visibility.is_some() {
+        entry[VISIBILITY_KEY] = json!(true);
     }
     if !baked.blockers.is_empty() {
         entry[BLOCKERS_KEY] = json!(record.blockers);

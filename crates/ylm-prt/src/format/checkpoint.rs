@@ -380,6 +380,7 @@ fn identity(settings: &BakeSettings, points: &LightingPoints, blockers: &Blocker
         "bias": settings.bias,
         "tmax": settings.t_max.is_finite().then_some(settings.t_max),
         "bounces": bounces,
+        "visibility": settings.visibility.then_some(true),
     });
     match identity {
         Value::Object(identity) => identity,

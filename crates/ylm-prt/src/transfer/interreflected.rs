@@ -12,6 +12,7 @@ use std::f32::consts::PI;
 use rayon::prelude::*;
 
 use super::rows::{COLUMN_UNIT, Rows, Share, gather, merge};
+use super::samples::Measure;
 use super::settings::{BounceEnd, Bounces, KeptBounces};
 use super::shadowed::{Baker, Scratch, Traced, world_from_local};
 use super::sides::Sides;
@@ -37,15 +38,15 @@ pub fn bake(
             "bounces until the energy is below {threshold} asked for; it is a share, 0 or more"
         )));
     }
-    let baker = Baker::new(points, bvh, settings, progress)?;
+    let baker = Baker::new(Measure::Cosine, points, bvh, settings, progress)?;
     let eye = Eye {
         baker: &baker,
         sides: Sides::of(points),
         rows: Rows::new(points.positions.len(), settings.bounces.memory_bytes),
     };
-    let vectors = baker.direct(journal, |point, scratch| eye.trace(point, scratch))?;
+    let vectors = baker.vectors(journal, |point, scratch| eye.trace(point, scratch))?;
     let bounced = Bouncing::new(&eye, &vectors)?.run()?;
-    Ok(Transfer { bands: settings.bands, vectors, bounced: Some(bounced) })
+    Ok(Transfer { bands: settings.bands, vectors, bounced: Some(bounced), visibility: None })
 }
 
 /// Knows what each point sees of the scene.

@@ -5,10 +5,17 @@ use crate::error::Result;
 /// A piece of a bake's work: the same one in every bake of the same scene and settings, for any number of threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Piece {
-    /// 0 for direct light, b for bounce b. A pass begins when the one before has ended.
+    /// [`Piece::DIRECT`] or [`Piece::VISIBILITY`]. A pass begins when the one before has ended.
     pub pass: u32,
     /// Which part of the pass.
     pub number: u32,
+}
+
+impl Piece {
+    /// The pass of direct light.
+    pub const DIRECT: u32 = 0;
+    /// The pass of plain visibility.
+    pub const VISIBILITY: u32 = 1;
 }
 
 /// Keeps the finished pieces of a bake, so that another bake can go on where one was interrupted; called from any thread.

@@ -15,6 +15,7 @@ mod shadowed;
 mod sides;
 mod sum;
 mod unshadowed;
+mod visibility;
 
 pub use baked::{BakeRecord, Baked, Precision};
 pub use bounced::Bounced;
@@ -36,6 +37,9 @@ pub struct Transfer {
     pub vectors: Vec<f32>,
     /// Of light that the scene reflects or sends out; `None` unless interreflected.
     pub bounced: Option<Bounced>,
+    /// V_i = ∫ V(ω) Y_i(ω) dω, row-major [point, n²]: V is 1 where direct light arrives from, and 0 where it is blocked and below the
+    /// tangent plane; `None` unless [`BakeSettings::visibility`] asked for it.
+    pub visibility: Option<Vec<f32>>,
 }
 
 impl Transfer {
@@ -71,6 +75,9 @@ pub trait Progress: Sync {
     /// A bounce begins, counted from 1, with all points to be done again; 0 is the light that the scene sends out.
     fn begin_bounce(&self, _bounce: u32) {}
 
+    /// Plain visibility begins, with all points to be done again.
+    fn begin_visibility(&self) {}
+
     /// Whether to stop: asked every few milliseconds of each thread's work.
     fn is_cancelled(&self) -> bool;
 }
@@ -96,8 +103,8 @@ impl Progress for () {
 ///
 /// Error: unshadowed, that of [`ylm::zonal::Zonal::rotate_batch`]. Shadowed, unbiased up to O(1/rays); where nothing is
 /// blocked the unshadowed transfer to rounding, where all is blocked 0, elsewhere the error falls like rays^(−3/4)
-/// (tests/transfer.rs).
-/// Cost: about `settings.rays` rays a point, and n² additions for at most half of them; memory for the result, and for
+/// (tests/transfer.rs). Visibility likewise (tests/visibility.rs): the same number of rays again, spread evenly.
+/// Cost: about `settings.rays` rays a point, twice as many with visibility, and n² additions for at most half of them; memory for the result, and for
 /// sample sets of at most 1/8 of it or 64 KiB, whichever is more, or one set. Interreflected, 3n² multiply-adds a bounce
 /// for each different point that a point sees, and 9n² numbers a point; the points seen are remembered within
 /// [`Bounces::memory_bytes`].
@@ -135,11 +142,15 @@ pub fn bake_with_journal(
             points.normals.len()
         )));
     }
-    match settings.kind {
+    let mut transfer = match settings.kind {
         TransferKind::Unshadowed => unshadowed::bake(points, settings, progress),
         TransferKind::Shadowed => shadowed::bake(points, bvh, settings, progress, journal),
         TransferKind::Interreflected => interreflected::bake(points, bvh, settings, progress, journal),
+    }?;
+    if settings.visibility {
+        transfer.visibility = Some(visibility::bake(points, bvh, settings, progress, journal)?);
     }
+    Ok(transfer)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
-//! Cosine-weighted low-discrepancy directions around a normal, with their harmonics.
+//! Low-discrepancy directions around a normal, with their harmonics.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DVec3, Vec3};
 use ylm::Bands;
@@ -15,11 +15,46 @@ use crate::scene::Directions;
 /// Most sets of a bake; points choose among them.
 const MAX_SETS: usize = 16;
 
+/// What directions of the hemisphere count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// As much as their cosine: for transfer.
+    Cosine,
+    /// All the same: for visibility.
+    SolidAngle,
+}
+
+impl Measure {
+    /// Of the whole hemisphere.
+    pub fn of_hemisphere(self) -> f64 {
+        match self {
+            Self::Cosine => PI,
+            Self::SolidAngle => TAU,
+        }
+    }
+
+    /// ∫ Y_i over the hemisphere.
+    pub fn zonal<T: ylm::Real>(self, bands: Bands) -> Result<Zonal<T>> {
+        Ok(match self {
+            Self::Cosine => Zonal::clamped_cosine(bands),
+            Self::SolidAngle => Zonal::disc(FRAC_PI_2, bands)?,
+        })
+    }
+
+    /// The height above the horizon of which the directions nearer to the pole have this share of the measure.
+    fn height(self, share: f64) -> f64 {
+        match self {
+            Self::Cosine => (1.0 - share).sqrt(),
+            Self::SolidAngle => 1.0 - share,
+        }
+    }
+}
+
 /// Sets of directions in a frame whose z is the normal.
 ///
-/// A set is a Fibonacci spiral on the unit disc, lifted to the hemisphere: point i of S at radius √((i + s)/S) and angle
-/// 2π i/φ, for any S; the offset s ∈ [0, 1) is what tells sets apart. Together with a random spin every direction of the
-/// cosine hemisphere is equally likely, so the estimate is free of bias.
+/// A set is a Fibonacci spiral on the unit disc, lifted to the hemisphere: point i of S at radius √((i + s)/S) of an
+/// equal-measure map of the hemisphere, and angle 2π i/φ, for any S; the offset s ∈ [0, 1) is what tells sets apart.
+/// Together with a random spin all directions are met as often as they count, so the estimate is free of bias.
 ///
 /// [Vogel 1979] "A better way to construct the sunflower head"; [Malley 1988], lifted disc
 pub struct SampleSets {
@@ -30,18 +65,18 @@ pub struct SampleSets {
 pub struct SampleSet {
     /// The directions.
     pub directions: Directions,
-    /// [direction, row width]: Y_i of each direction, plus what is missing of the mean so that it is the exact clamped
-    /// cosine / π; zeros beyond n².
+    /// [direction, row width]: Y_i of each direction, plus what is missing of the mean so that it is exact; zeros beyond n².
     pub harmonics: Vec<f32>,
 }
 
 impl SampleSets {
     /// As many sets as stay within `budget_bytes`, at least one.
-    pub fn new(bands: Bands, rays: u32, seed: u64, budget_bytes: usize) -> Result<Self> {
+    pub fn new(measure: Measure, bands: Bands, rays: u32, seed: u64, budget_bytes: usize) -> Result<Self> {
         let set_bytes = rays as usize * (row_width(bands) + 3) * size_of::<f32>();
         let count = (budget_bytes / set_bytes).clamp(1, MAX_SETS);
         let shift = unit(hash(seed));
-        let sets = (0..count).map(|k| SampleSet::new(bands, rays, (k as f64 + shift) / count as f64));
+        let sets =
+            (0..count).map(|k| SampleSet::new(measure, bands, rays, (k as f64 + shift) / count as f64));
         Ok(Self { sets: sets.collect::<Result<_>>()? })
     }
 
@@ -54,16 +89,27 @@ impl SampleSets {
 }
 
 impl SampleSet {
-    fn new(bands: Bands, rays: u32, offset: f64) -> Result<Self> {
+    fn new(measure: Measure, bands: Bands, rays: u32, offset: f64) -> Result<Self> {
         let golden = (5f64.sqrt() - 1.0) / 2.0;
-        let mut directions: Vec<DVec3> = (0..rays)
+        let mut disc: Vec<[f64; 3]> = (0..rays)
             .map(|i| {
                 let square = (f64::from(i) + offset) / f64::from(rays);
                 let (sin, cos) = (TAU * (f64::from(i) * golden).fract()).sin_cos();
-                DVec3::new(square.sqrt() * cos, square.sqrt() * sin, (1.0 - square).sqrt())
+                [square, cos, sin]
             })
             .collect();
-        directions.sort_by_cached_key(|d| hilbert_code(d.x as f32, d.y as f32));
+        disc.sort_by_cached_key(|[square, cos, sin]| {
+            hilbert_code((square.sqrt() * cos) as f32, (square.sqrt() * sin) as f32)
+        });
+        let lifted = disc.into_iter().map(|[square, cos, sin]| {
+            let height = measure.height(square);
+            let radius = match measure {
+                Measure::Cosine => square.sqrt(),
+                Measure::SolidAngle => (1.0 - height * height).sqrt(),
+            };
+            DVec3::new(radius * cos, radius * sin, height)
+        });
+        let directions: Vec<DVec3> = lifted.collect();
 
         let (width, row_width) = (bands.coeff_count(), row_width(bands));
         let mut harmonics = vec![0.0f32; directions.len() * row_width];
@@ -81,10 +127,10 @@ impl SampleSet {
             }
         }
         let mut exact = vec![0.0f64; width];
-        Zonal::clamped_cosine(bands).rotate([0.0, 0.0, 1.0], &mut exact)?;
+        measure.zonal::<f64>(bands)?.rotate([0.0, 0.0, 1.0], &mut exact)?;
         for row in harmonics.chunks_exact_mut(row_width) {
             for i in 0..width {
-                row[i] += (exact[i] / PI - mean[i]) as f32;
+                row[i] += (exact[i] / measure.of_hemisphere() - mean[i]) as f32;
             }
         }
         let directions: Vec<Vec3> = directions.iter().map(|d| d.as_vec3()).collect();

@@ -52,6 +52,8 @@ pub struct BakeSettings {
     pub t_max: f32,
     /// How often light bounces. Not used but for interreflected transfer.
     pub bounces: Bounces,
+    /// Whether plain visibility is baked beside the transfer.
+    pub visibility: bool,
 }
 
 /// How often light bounces, and what is kept of it.
@@ -116,6 +118,7 @@ impl Default for BakeSettings {
             bias: Self::BIAS,
             t_max: f32::INFINITY,
             bounces: Bounces::default(),
+            visibility: false,
         }
     }
 }

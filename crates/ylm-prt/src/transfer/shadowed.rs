@@ -1,7 +1,5 @@
 //! Transfer with occlusion by rays.
 
-use std::f32::consts::PI;
-
 use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 use ylm::rotate::FrameRotation;
@@ -9,7 +7,7 @@ use ylm::zonal::Zonal;
 
 use super::order::by_morton_code;
 use super::rows::Share;
-use super::samples::{SampleSet, SampleSets, row_width};
+use super::samples::{Measure, SampleSet, SampleSets, row_width};
 use super::sum::sum_rows;
 use super::{BakeSettings, Journal, Piece, Progress, Transfer};
 use crate::error::{Error, Result};
@@ -33,9 +31,9 @@ pub fn bake(
     progress: &dyn Progress,
     journal: &dyn Journal,
 ) -> Result<Transfer> {
-    let baker = Baker::new(points, bvh, settings, progress)?;
-    let vectors = baker.direct(journal, |point, scratch| baker.trace(point, &mut scratch.blocked))?;
-    Ok(Transfer { bands: settings.bands, vectors, bounced: None })
+    let baker = Baker::new(Measure::Cosine, points, bvh, settings, progress)?;
+    let vectors = baker.vectors(journal, |point, scratch| baker.trace(point, &mut scratch.blocked))?;
+    Ok(Transfer { bands: settings.bands, vectors, bounced: None, visibility: None })
 }
 
 /// The share of the cosine-weighted hemisphere that each lighting point sees: ambient occlusion, from the same rays as
@@ -49,7 +47,7 @@ pub fn visible_shares(
     settings: &BakeSettings,
     progress: &dyn Progress,
 ) -> Result<Vec<f32>> {
-    let baker = Baker::new(points, bvh, settings, progress)?;
+    let baker = Baker::new(Measure::Cosine, points, bvh, settings, progress)?;
     let mut shares = vec![0.0f32; points.positions.len()];
     baker.each_batch(&mut shares, 1, &(), |batch, scratch| {
         for (point, share) in batch.iter_mut() {
@@ -75,6 +73,7 @@ pub struct Baker<'a> {
     pub settings: &'a BakeSettings,
     pub progress: &'a dyn Progress,
     vantages: Vantages<'a>,
+    measure: Measure,
     sets: SampleSets,
     unblocked: Zonal<f32>,
     rotation: FrameRotation<f32>,
@@ -101,6 +100,7 @@ impl<'a> Baker<'a> {
     /// # Errors
     /// As [`super::bake`].
     pub fn new(
+        measure: Measure,
         points: &'a LightingPoints,
         bvh: &'a Bvh,
         settings: &'a BakeSettings,
@@ -123,14 +123,14 @@ impl<'a> Baker<'a> {
             )));
         }
         let result_bytes = points.positions.len() * bands.coeff_count() * size_of::<f32>();
-        let sets = SampleSets::new(bands, rays, seed, (result_bytes / SETS_SHARE).max(SETS_BYTES))?;
-        let (unblocked, rotation) = (Zonal::clamped_cosine(bands), FrameRotation::new(bands));
+        let sets = SampleSets::new(measure, bands, rays, seed, (result_bytes / SETS_SHARE).max(SETS_BYTES))?;
+        let (unblocked, rotation) = (measure.zonal(bands)?, FrameRotation::new(bands));
         let vantages = Vantages::new(points, bias, t_max);
-        Ok(Self { points, bvh, settings, progress, vantages, sets, unblocked, rotation })
+        Ok(Self { points, bvh, settings, progress, vantages, measure, sets, unblocked, rotation })
     }
 
-    /// Transfer of direct light, of all points; `trace` finds what a point does not see, as [`Baker::trace`] does.
-    pub fn direct<'b>(
+    /// ∫ V Y_i of all points, by the measure; `trace` finds what a point does not see, as [`Baker::trace`] does.
+    pub fn vectors<'b>(
         &'b self,
         journal: &dyn Journal,
         trace: impl Fn(u32, &mut Scratch) -> Result<Traced<'b>> + Sync,
@@ -162,7 +162,11 @@ impl<'a> Baker<'a> {
         let batches = (REPORT_RAYS / BATCH / rays).clamp(1, 16);
         let chunks = sorted.par_chunks_mut(BATCH * batches).enumerate();
         chunks.try_for_each_init(Scratch::default, |scratch, (number, chunk)| {
-            let piece = Piece { pass: 0, number: number as u32 };
+            let pass = match self.measure {
+                Measure::Cosine => Piece::DIRECT,
+                Measure::SolidAngle => Piece::VISIBILITY,
+            };
+            let piece = Piece { pass, number: number as u32 };
             scratch.kept.resize(chunk.len() * width, 0.0);
             if journal.recall(piece, &mut scratch.kept)? {
                 for ((_, row), kept) in chunk.iter_mut().zip(scratch.kept.chunks_exact(width)) {
@@ -204,7 +208,7 @@ impl<'a> Baker<'a> {
         Ok((self.vantages.of(point as usize), (set, [cos as f32, sin as f32])))
     }
 
-    /// Writes the transfer of up to [`BATCH`] points.
+    /// Writes the vectors of up to [`BATCH`] points.
     fn project_batch<'b>(
         &'b self,
         batch: &mut Batch,
@@ -231,18 +235,18 @@ impl<'a> Baker<'a> {
         Ok(())
     }
 
-    /// Transfer in the frame of the normal: π/S times the sum of the visible harmonics, or what the blocked ones leave
-    /// of the unblocked transfer, whichever are fewer.
+    /// The vector in the frame of the normal: a ray's part of the measure times the sum of the visible harmonics, or what
+    /// the blocked ones leave of the unblocked hemisphere, whichever are fewer.
     fn project(&self, set: &SampleSet, blocked: &mut [u64], sum: &mut [f32], local: &mut [f32]) {
         let rays = set.directions.count();
         let blocked_count = count_ones(blocked);
-        let weight = PI / rays as f32;
+        let weight = self.measure.of_hemisphere() as f32 / rays as f32;
         if 2 * blocked_count <= rays {
             sum_rows(&set.harmonics, blocked, sum);
             for (value, sum) in local.iter_mut().zip(sum) {
                 *value = -weight * *sum;
             }
-            // Of the unblocked transfer only the orders m = 0 are not zero.
+            // Of the unblocked hemisphere only the orders m = 0 are not zero.
             for (l, coeff) in self.unblocked.coeffs().iter().enumerate() {
                 local[l * (l + 1)] += coeff;
             }

@@ -1,4 +1,4 @@
-//! Transfer without occlusion, in closed form.
+//! Transfer and visibility without occlusion, in closed form.
 
 use rayon::prelude::*;
 use ylm::zonal::Zonal;
@@ -12,8 +12,18 @@ const CHUNK: usize = 1024;
 
 /// The clamped cosine, rotated to every normal.
 pub fn bake(points: &LightingPoints, settings: &BakeSettings, progress: &dyn Progress) -> Result<Transfer> {
-    let width = settings.bands.coeff_count();
-    let cosine = Zonal::<f32>::clamped_cosine(settings.bands);
+    let cosine = Zonal::clamped_cosine(settings.bands);
+    let vectors = around_normals(&cosine, points, progress)?;
+    Ok(Transfer { bands: settings.bands, vectors, bounced: None, visibility: None })
+}
+
+/// A zonal function, turned to the normal of every point.
+pub fn around_normals(
+    zonal: &Zonal<f32>,
+    points: &LightingPoints,
+    progress: &dyn Progress,
+) -> Result<Vec<f32>> {
+    let width = zonal.bands().coeff_count();
     let mut vectors = super::zeros(points.normals.len(), width)?;
     vectors.par_chunks_mut(CHUNK * width).zip(points.normals.par_chunks(CHUNK)).try_for_each(
         |(vectors, normals)| {
@@ -21,10 +31,10 @@ pub fn bake(points: &LightingPoints, settings: &BakeSettings, progress: &dyn Pro
                 return Err(Error::Interrupted);
             }
             let directions: Vec<[f32; 3]> = normals.iter().map(|normal| normal.to_array()).collect();
-            cosine.rotate_batch(&directions, vectors)?;
+            zonal.rotate_batch(&directions, vectors)?;
             progress.advance(normals.len(), 0);
             Ok(())
         },
     )?;
-    Ok(Transfer { bands: settings.bands, vectors, bounced: None })
+    Ok(vectors)
 }

@@ -30,7 +30,7 @@ fn triangle() -> Baked {
     Baked {
         points,
         blockers: Blockers::default(),
-        transfer: Transfer { bands: Bands::new(2).unwrap(), vectors, bounced: None },
+        transfer: Transfer { bands: Bands::new(2).unwrap(), vectors, bounced: None, visibility: None },
         record,
     }
 }
@@ -195,6 +195,57 @@ fn bounces_and_emission_follow_the_direct_transfer() {
         let fault = parse_baked(&written(&interreflected(layers))).unwrap_err().to_string();
         assert!(fault.contains("which do not go with 3 points and 2 bounces"), "{layers:?}: {fault}");
     }
+}
+
+#[test]
+fn visibility_is_the_last_tensor_and_is_read_back() {
+    for (mut baked, tensor) in [
+        (triangle(), r#""visibility":{"dtype":"F32","shape":[3,4],"data_offsets":[168,216]}}"#),
+        (interreflected([1, 1]), r#""visibility":{"dtype":"F32","shape":[3,4],"data_offsets":[384,432]}}"#),
+        (
+            with_blocker_and_halves(),
+            r#""visibility":{"dtype":"F16","shape":[3,4],"data_offsets":[192,216]}}"#,
+        ),
+    ] {
+        baked.transfer.visibility = Some((0..12).map(|i| i as f32 * 0.25).collect());
+        let bytes = written(&baked);
+        let header_length = u64::from_le_bytes(bytes[..8].try_into().unwrap()) as usize;
+        let header = std::str::from_utf8(&bytes[8..8 + header_length]).unwrap();
+        assert!(header.trim_end().ends_with(tensor) && header.contains(r#"\"visibility\":true"#), "{header}");
+        assert_eq!(parse_baked(&bytes).unwrap(), baked);
+    }
+}
+
+#[test]
+fn each_lie_about_visibility_is_named() {
+    let mut baked = triangle();
+    baked.transfer.visibility = Some(vec![0.5; 12]);
+    let none = || ("mine", Dtype::U8, &[0usize][..], vec![]);
+    let key = r#""visibility":true"#;
+    let cases = [
+        (key, r#""visibility":1"#, none(), "metadata «visibility» must be true or false"),
+        ("", "", ("visibility", Dtype::F32, &[], vec![]), "tensor «visibility» is missing"),
+        (
+            "",
+            "",
+            ("visibility", Dtype::F32, &[2, 4], vec![0; 32]),
+            "tensor «visibility» has shape [2, 4], must be [3, 4]",
+        ),
+        ("", "", ("visibility", Dtype::I32, &[3, 4], vec![0; 48]), "tensor «visibility» is I32, must be F32"),
+        (
+            "",
+            "",
+            ("visibility", Dtype::F32, &[3, 4], f32_bytes(&[f32::NAN; 12])),
+            "tensor «visibility» holds a value that is not finite, first in row 0",
+        ),
+    ];
+    for (from, to, replaced, expected) in cases {
+        let fault = fault_of(&changed_from(&baked, from, to, &[replaced]));
+        assert!(fault.contains(expected), "{from} → {to}: {fault}");
+    }
+    // A tensor of that name that the metadata does not know is somebody else's.
+    let strange = changed_from(&baked, key, r#""visibility":false"#, &[]);
+    assert_eq!(parse_baked(&strange).unwrap(), triangle());
 }
 
 #[test]

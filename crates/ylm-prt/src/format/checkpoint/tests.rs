@@ -135,6 +135,29 @@ fn an_interrupted_bake_goes_on_to_the_same_values() {
 }
 
 #[test]
+fn visibility_goes_on_where_it_was_interrupted() {
+    let bench = Bench::new();
+    let settings = BakeSettings { visibility: true, ..settings() };
+    let bake = |progress: &dyn Progress, journal: &dyn Journal| {
+        bake_with_journal(&bench.points, &bench.bvh, &settings, progress, journal)
+    };
+    let whole = bake(&(), &()).unwrap();
+    // Nine pieces of transfer, and some of visibility.
+    for count in [4, 11, 14] {
+        let checkpoint = bench.open(&settings, Existing::Refuse).unwrap();
+        assert!(matches!(bake(&Stop::after(count), &checkpoint), Err(Error::Interrupted)));
+        assert!(checkpoint.leave().unwrap());
+        let text = bench.refusal(&self::settings(), Existing::Resume);
+        assert!(text.contains("visibility true there, none here"), "{text}");
+        let checkpoint = bench.open(&settings, Existing::Resume).unwrap();
+        assert_eq!(checkpoint.kept_value_count(Piece::VISIBILITY) > 0, count > 9);
+        assert!(bake(&(), &checkpoint).unwrap() == whole);
+        fs::write(bench.output(), "the output").unwrap();
+        checkpoint.remove().unwrap();
+    }
+}
+
+#[test]
 fn what_is_whole_of_a_damaged_checkpoint_is_used_and_no_more() {
     let bench = Bench::new();
     let whole = bench.bake(&(), &()).unwrap();
