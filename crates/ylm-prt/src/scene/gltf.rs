@@ -14,7 +14,8 @@ use std::path::Path;
 use glam::{DMat3, DMat4, DQuat, DVec3};
 use gltf::json::{self, Index, Root, mesh::Mode, mesh::Semantic, validation::Checked};
 
-use crate::scene::read::{AlbedoSource, Corner, Draft, Place, excerpt};
+use crate::scene::draft::{Corner, Draft};
+use crate::scene::read::{AlbedoSource, Place, excerpt};
 use accessor::Accessors;
 use buffer::Buffers;
 use material::Painter;

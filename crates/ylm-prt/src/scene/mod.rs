@@ -6,6 +6,7 @@ pub mod blockers;
 pub mod bvh;
 pub mod camera;
 pub mod demo;
+mod draft;
 pub mod gltf;
 pub mod mesh;
 pub mod neighbours;

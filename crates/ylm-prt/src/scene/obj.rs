@@ -10,7 +10,8 @@ use std::path::Path;
 use glam::DVec3;
 
 use self::material::Painter;
-use crate::scene::read::{AlbedoSource, Corner, Draft, Place, excerpt, linear_from_srgb};
+use crate::scene::draft::{Corner, Draft};
+use crate::scene::read::{AlbedoSource, Place, excerpt, linear_from_srgb};
 use crate::scene::text::{Lines, number, vector, words};
 
 pub use self::material::MtlFault;

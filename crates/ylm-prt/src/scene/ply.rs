@@ -8,7 +8,8 @@ mod header;
 
 use glam::DVec3;
 
-use crate::scene::read::{Corner, Draft, Place, excerpt, linear_from_srgb};
+use crate::scene::draft::{Corner, Draft};
+use crate::scene::read::{Place, excerpt, linear_from_srgb};
 use header::{Element, Encoding, Header, Kind, Scalar};
 
 /// Why bytes are no PLY mesh.

@@ -7,7 +7,8 @@ use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
 
-use crate::scene::read::{Corner, Draft, Place, excerpt};
+use crate::scene::draft::{Corner, Draft};
+use crate::scene::read::{Place, excerpt};
 use crate::scene::text::{Lines, vector, words};
 
 /// Why bytes are no STL mesh.

@@ -7,11 +7,12 @@ use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::{self, Index, validation::Checked};
 
 use crate::scene::beside::read_file;
+use crate::scene::draft::{Corner, Draft};
 use crate::scene::gltf::accessor::Accessors;
 use crate::scene::gltf::buffer::{Uri, UriFault};
 use crate::scene::gltf::{GltfFault, PrimitivePlace, get};
 use crate::scene::mesh::Material;
-use crate::scene::read::{AlbedoSource, Corner, Draft, Place, excerpt};
+use crate::scene::read::{AlbedoSource, Place, excerpt};
 use crate::scene::texture::{Filter, Sampler, Texture, Wrap};
 
 /// What decides the materials of a primitive's vertices.

@@ -8,9 +8,10 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
 use crate::scene::beside::{path_beside, read_file};
+use crate::scene::draft::{Corner, Draft};
 use crate::scene::mesh::Material;
 use crate::scene::obj::ObjFault;
-use crate::scene::read::{AlbedoSource, Corner, Draft, Place, excerpt};
+use crate::scene::read::{AlbedoSource, Place, excerpt};
 use crate::scene::text::{Lines, number, words};
 use crate::scene::texture::{Filter, Sampler, Texture, Wrap};
 
