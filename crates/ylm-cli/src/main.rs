@@ -14,6 +14,7 @@ mod output;
 mod plot;
 mod progress;
 mod render;
+mod shader;
 mod shading;
 mod source;
 mod spin;
@@ -46,6 +47,7 @@ enum Verb {
     Compare(compare::Arguments),
     Plot(plot::Arguments),
     Info(info::Arguments),
+    Shader(shader::Arguments),
 }
 
 const AFTER_HELP: &str = "\
@@ -61,6 +63,7 @@ fn main() -> ExitCode {
         Verb::Light(light) => light.check(),
         Verb::Render(render) => render.check(),
         Verb::Plot(plot) => plot.check(),
+        Verb::Shader(shader) => shader.check(),
         _ => Ok(()),
     };
     if let Err(message) = usage {
@@ -76,6 +79,7 @@ fn main() -> ExitCode {
         Verb::Compare(arguments) => compare::run(arguments, &output),
         Verb::Plot(arguments) => plot::run(arguments, &output),
         Verb::Info(arguments) => info::run(arguments, &output),
+        Verb::Shader(arguments) => shader::run(arguments, &output),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

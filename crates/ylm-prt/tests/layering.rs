@@ -32,7 +32,8 @@ const MAY_DEPEND: &[(&str, &[&str])] = &[
     ("crates/ylm", &[]),
     ("crates/ylm-prt", &["ylm"]),
     ("crates/ylm-plot", &["ylm", "ylm-prt"]),
-    ("crates/ylm-cli", &["ylm", "ylm-prt", "ylm-plot"]),
+    ("crates/ylm-shader", &["ylm"]),
+    ("crates/ylm-cli", &["ylm", "ylm-prt", "ylm-plot", "ylm-shader"]),
     ("bench", &["ylm", "ylm-prt", "ylm-plot"]),
 ];
 
