@@ -40,8 +40,9 @@ pub struct Arguments {
 }
 
 const HELP: &str = "\
-The source is one function that needs no other text, with its conventions and its operation count in its head. Coefficients are
-arrays in the order i = l(l+1) + m; three channels are vectors, in C arrays of three.
+The source is one function that needs no other text; its head tells its conventions and how many
+operations it has. Coefficients are arrays in the order i = l(l+1) + m; with three channels, of
+vectors, in C of arrays of three.
 
 Examples:
   ylm shader --bands 3 --op irradiance --language glsl --channels 3 -o irradiance.glsl

@@ -3,7 +3,7 @@
 //! Values are made through [`Program`], which gives the same value for the same operands in either order, folds
 //! constants, and moves signs outwards until a sum or a constant takes them in. What no statement needs is never printed.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// A value of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -109,6 +109,7 @@ pub struct Program {
     known: HashMap<Node, Value>,
     constants: BTreeMap<u64, Value>,
     labels: HashMap<Value, String>,
+    stored: HashSet<usize>,
 }
 
 impl Program {
@@ -125,6 +126,7 @@ impl Program {
             known: HashMap::new(),
             constants: BTreeMap::new(),
             labels: HashMap::new(),
+            stored: HashSet::new(),
         }
     }
 
@@ -316,10 +318,7 @@ impl Program {
 
     /// `result[element] = value` the first time, `result[element] += value` later.
     pub fn add_to(&mut self, element: usize, value: Value) {
-        let is_stored =
-            |statement: &Statement| matches!(statement, Statement::Store(stored, _) if *stored == element);
-        let is_later = self.statements.iter().any(is_stored);
-        let make = if is_later { Statement::Accumulate } else { Statement::Store };
+        let make = if self.stored.insert(element) { Statement::Store } else { Statement::Accumulate };
         self.statements.push(make(element, value));
     }
 
