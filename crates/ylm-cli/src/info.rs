@@ -10,7 +10,8 @@ use glam::Vec3;
 use serde_json::{Map, Value, json};
 use ylm::Bands;
 use ylm_prt::error::{Error, Result};
-use ylm_prt::format::read_baked;
+use ylm_prt::field::Shell;
+use ylm_prt::format::{read_baked, read_field, read_kind};
 use ylm_prt::image::{Image, ReadOptions};
 use ylm_prt::light::{Light, LightCoeffs, Part, Probe, Source};
 use ylm_prt::scene::{LightingPoints, Material, Mesh, Topology};
@@ -32,6 +33,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
     let path = &arguments.file;
     let facts = match Kind::of(path)? {
+        Kind::Baked if read_kind(path)? == "field" => field(path)?,
         Kind::Baked => baked(path)?,
         Kind::Light => light(path, &arguments.model.probe_options())?,
         Kind::Probe => probe(path, &arguments.model.probe_options())?,
@@ -50,7 +52,7 @@ pub enum Kind {
     Probe,
     /// A picture for a display.
     Picture,
-    /// What `ylm bake` wrote.
+    /// What `ylm bake` or `ylm field` wrote.
     Baked,
     /// What `ylm light` wrote.
     Light,
@@ -193,6 +195,29 @@ fn baked(path: &Path) -> Result<Map<String, Value>> {
         "bounces": baked.transfer.bounced.as_ref().map(|bounced| bounced.energies.len()),
         "bounce_energies": baked.transfer.bounced.as_ref().map(|bounced| &bounced.energies),
         "bounce_threshold": record.bounce_threshold,
+        "source": record.source,
+        "source_sha256": record.source_sha256,
+        "ylm_version": record.ylm_version,
+    })))
+}
+
+fn field(path: &Path) -> Result<Map<String, Value>> {
+    let field = read_field(path)?;
+    let record = &field.record;
+    Ok(object(json!({
+        "kind": "field",
+        "bands": field.bands().count(),
+        "samples": field.sample_count(),
+        "radii": field.shells().iter().map(|shell| shell.radius).collect::<Vec<_>>(),
+        "directions": field.shells().iter().map(|shell: &Shell| shell.grid().directions().len()).collect::<Vec<_>>(),
+        "center": field.center().to_array(),
+        "radius": field.radius(),
+        "reach": field.reach(),
+        "error": record.error,
+        "error_outside": record.error_outside,
+        "error_inside": record.error_inside,
+        "rays": record.rays,
+        "seed": record.seed,
         "source": record.source,
         "source_sha256": record.source_sha256,
         "ylm_version": record.ylm_version,

@@ -4,6 +4,7 @@ mod bake;
 mod balls;
 mod compare;
 mod demo;
+mod field;
 mod gloss;
 mod info;
 mod interrupt;
@@ -42,6 +43,7 @@ struct Arguments {
 enum Verb {
     Demo(demo::Arguments),
     Bake(bake::Arguments),
+    Field(field::Arguments),
     Light(light::Arguments),
     Render(render::Arguments),
     Compare(compare::Arguments),
@@ -74,6 +76,7 @@ fn main() -> ExitCode {
     let result = match &arguments.verb {
         Verb::Demo(arguments) => demo::run(arguments, &output),
         Verb::Bake(arguments) => bake::run(arguments, &output),
+        Verb::Field(arguments) => field::run(arguments, &output),
         Verb::Light(arguments) => light::run(arguments, &output),
         Verb::Render(arguments) => render::run(arguments, &output),
         Verb::Compare(arguments) => compare::run(arguments, &output),

@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use glam::Vec3;
 use ylm::Bands;
+use ylm::product::plan::MAX_BANDS;
 use ylm_prt::error::Result as PrtResult;
 use ylm_prt::file;
 use ylm_prt::image::ReadOptions;
@@ -33,6 +34,21 @@ Examples:
 pub fn bands(text: &str) -> Result<Bands, String> {
     let count: usize = text.parse().map_err(|_| "must be a whole number from 1 to 256".to_owned())?;
     Bands::new(count).map_err(|error| error.to_string())
+}
+
+/// `--bands` of what is multiplied.
+pub fn product_bands(text: &str) -> Result<Bands, String> {
+    let bands = bands(text)?;
+    match bands.count() {
+        0..=MAX_BANDS => Ok(bands),
+        count => Err(format!("{count} bands asked for; products have 1 to {MAX_BANDS}")),
+    }
+}
+
+/// `--error` of a field.
+pub fn field_error(text: &str) -> Result<f32, String> {
+    let in_range = |error: &f32| (1e-4..0.5).contains(error);
+    finite(text).ok().filter(in_range).ok_or("must be from 0.0001 to below 0.5".to_owned())
 }
 
 /// `WxH`, each 1 … 16384.

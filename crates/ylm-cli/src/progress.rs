@@ -30,6 +30,14 @@ impl BakeProgress {
         Self { bar, rays: AtomicU64::new(0), start: Instant::now() }
     }
 
+    /// A count of what is done, where nobody knows how much there is to do.
+    pub fn of_unknown_length(output: &Output) -> Self {
+        let bar = if output.shows_progress() { ProgressBar::no_length() } else { ProgressBar::hidden() };
+        let style = ProgressStyle::with_template("{spinner} {pos} samples, {msg}");
+        bar.set_style(style.expect("the template is well-formed"));
+        Self { bar, rays: AtomicU64::new(0), start: Instant::now() }
+    }
+
     /// Rays traced so far.
     pub fn ray_count(&self) -> u64 {
         self.rays.load(Ordering::Relaxed)

@@ -4,6 +4,7 @@
 //! World axes are right-handed with y up; SH are taken of world directions as they are (the SH pole is world z).
 
 pub mod error;
+pub mod field;
 pub mod file;
 pub mod format;
 pub mod image;

@@ -12,10 +12,11 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("scene", &["image"]),
     ("light", &["image", "scene"]),
     ("transfer", &["scene"]),
-    ("shade", &["scene", "light", "transfer"]),
+    ("field", &["scene", "transfer"]),
+    ("shade", &["scene", "light", "transfer", "field"]),
     ("render", &["scene", "image"]),
     ("reference", &["scene", "light", "image"]),
-    ("format", &["scene", "light", "transfer"]),
+    ("format", &["scene", "light", "transfer", "field"]),
 ];
 
 /// What reports faults, and what writes whole files.

@@ -2,25 +2,20 @@
 
 mod bounces;
 
-#[cfg(target_endian = "big")]
-compile_error!("safetensors is little-endian; reading and writing here are casts, not conversions");
-
-use std::collections::HashMap;
-use std::fs::File;
-use std::io;
 use std::path::Path;
 
 use glam::Vec3;
 use half::f16;
 use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
-use safetensors::tensor::{Metadata, TensorInfo};
 use safetensors::{Dtype, SafeTensors};
 use serde_json::{Map, Value, json};
 use ylm::Bands;
 
+use super::container::{
+    CONVENTION, Content, check_finite, finite_rows, map, parse_tensors, rows, write_tensors,
+};
 use super::fault::BakedFault;
 use crate::error::{Error, Result};
-use crate::file::write_atomically;
 use crate::scene::{Blockers, LightingPoints};
 use crate::transfer::{BakeRecord, Baked, Bounced, Precision, Transfer, TransferKind};
 
@@ -28,17 +23,11 @@ use crate::transfer::{BakeRecord, Baked, Bounced, Precision, Transfer, TransferK
 /// without them.
 pub const FORMAT_VERSION: u64 = 2;
 
-/// The one metadata entry: a JSON object, so that numbers stay numbers and the bytes do not depend on hash order.
-const METADATA_KEY: &str = "ylm";
-
 /// Stands in the metadata if there is plain visibility.
 const VISIBILITY_KEY: &str = "visibility";
 
 /// Stands in the metadata if there are blockers, and names them.
 const BLOCKERS_KEY: &str = "blockers";
-
-/// `convention` of every file: docs/conventions.md.
-const CONVENTION: &str = "real orthonormal, Condon-Shortley, z polar, index l(l+1)+m";
 
 /// Writes a baked scene; an existing file is replaced only by a whole one.
 ///
@@ -54,11 +43,11 @@ pub fn write_baked(path: &Path, baked: &Baked) -> Result<()> {
         ("positions", 3, singles(bytemuck::cast_slice(&points.positions))),
         ("normals", 3, singles(bytemuck::cast_slice(&points.normals))),
         ("albedo", 3, singles(bytemuck::cast_slice(&points.albedo))),
-        ("triangles", 3, Content::Indices(&points.triangles)),
+        ("triangles", 3, Content::Indices(points.triangles.as_flattened())),
     ];
     if !blockers.is_empty() {
         tensors.push(("blocker_positions", 3, singles(bytemuck::cast_slice(&blockers.positions))));
-        tensors.push(("blocker_triangles", 3, Content::Indices(&blockers.triangles)));
+        tensors.push(("blocker_triangles", 3, Content::Indices(blockers.triangles.as_flattened())));
     }
     tensors.push(("transfer", width, stored(vec![&transfer.vectors], width, baked)?));
     if let Some(emission) = &points.emission {
@@ -73,22 +62,7 @@ pub fn write_baked(path: &Path, baked: &Baked) -> Result<()> {
     if let Some(visibility) = &transfer.visibility {
         tensors.push(("visibility", width, stored(vec![visibility], width, baked)?));
     }
-    let mut end = 0;
-    let infos = tensors.iter().map(|(name, width, content)| {
-        let (start, dtype, byte_count) = (end, content.dtype(), content.byte_count());
-        end += byte_count;
-        let shape = vec![byte_count * 8 / dtype.bitsize() / width, *width];
-        ((*name).to_owned(), TensorInfo { dtype, shape, data_offsets: (start, end) })
-    });
-    let entries = HashMap::from([(METADATA_KEY.to_owned(), metadata(baked).to_string())]);
-    let header = Metadata::new(Some(entries), infos.collect()).expect("the tensors follow each other");
-    let mut header = serde_json::to_vec(&header).expect("a header is plain JSON");
-    header.resize(header.len().next_multiple_of(8), b' ');
-    write_atomically(path, |out| {
-        out.write_all(&(header.len() as u64).to_le_bytes())?;
-        out.write_all(&header)?;
-        tensors.iter().try_for_each(|(.., content)| content.write(out))
-    })
+    write_tensors(path, &metadata(baked), &tensors)
 }
 
 /// Coefficients as the record says that they are stored.
@@ -101,52 +75,6 @@ fn stored<'a>(layers: Vec<&'a [f32]>, row_width: usize, baked: &Baked) -> Result
             Content::Halves(layers)
         }
     })
-}
-
-/// What stands in a tensor.
-enum Content<'a> {
-    /// f32, as they are, one list after the other.
-    Singles(Vec<&'a [f32]>),
-    /// u32.
-    Indices(&'a [[u32; 3]]),
-    /// f32 that are rounded to f16 on their way.
-    Halves(Vec<&'a [f32]>),
-}
-
-impl Content<'_> {
-    fn dtype(&self) -> Dtype {
-        match self {
-            Self::Singles(_) => Dtype::F32,
-            Self::Indices(_) => Dtype::U32,
-            Self::Halves(_) => Dtype::F16,
-        }
-    }
-
-    fn byte_count(&self) -> usize {
-        match self {
-            Self::Singles(lists) => lists.iter().map(|values| size_of_val(*values)).sum(),
-            Self::Indices(indices) => size_of_val(*indices),
-            Self::Halves(lists) => lists.iter().map(|values| values.len() * size_of::<f16>()).sum(),
-        }
-    }
-
-    fn write(&self, out: &mut dyn io::Write) -> io::Result<()> {
-        match self {
-            Self::Singles(lists) => {
-                lists.iter().try_for_each(|values| out.write_all(bytemuck::cast_slice(values)))
-            }
-            Self::Indices(indices) => out.write_all(bytemuck::cast_slice(indices)),
-            Self::Halves(lists) => {
-                const CHUNK: usize = 4096;
-                let mut halves = [f16::ZERO; CHUNK];
-                lists.iter().flat_map(|values| values.chunks(CHUNK)).try_for_each(|values| {
-                    let halves = &mut halves[..values.len()];
-                    halves.convert_from_f32_slice(values);
-                    out.write_all(bytemuck::cast_slice(halves.reinterpret_cast()))
-                })
-            }
-        }
-    }
 }
 
 /// Checks that no value becomes infinite as a half float.
@@ -168,23 +96,13 @@ fn check_half(values: &[f32], row_width: usize, width: usize) -> Result<()> {
 /// If the file cannot be opened, is not a baked scene of this version, or does not fit the specification; the error
 /// names the file and the first thing that is wrong.
 pub fn read_baked(path: &Path) -> Result<Baked> {
-    let file = File::open(path).map_err(|e| Error::io(path, e))?;
-    if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
-        return Err(Error::io(path, io::Error::other("is no file; give one that `ylm bake` wrote")));
-    }
-    // SAFETY: the map lives for this call only; somebody who truncates the file meanwhile ends the process, as with
-    // every reader of mapped files, and cannot do worse, since all that is read is copied and then checked.
-    let bytes = unsafe { memmap2::Mmap::map(&file) }.map_err(|e| Error::io(path, e))?;
+    let bytes = map(path, "give one that `ylm bake` wrote")?;
     parse_baked(&bytes).map_err(|fault| Error::file(path, fault))
 }
 
 /// The same for bytes in memory.
 fn parse_baked(bytes: &[u8]) -> std::result::Result<Baked, BakedFault> {
-    let tensors = SafeTensors::deserialize(bytes)?;
-    let (_, header) = SafeTensors::read_metadata(bytes)?;
-    let entry = header.metadata().as_ref().and_then(|entries| entries.get(METADATA_KEY));
-    let entry: Map<String, Value> =
-        serde_json::from_str(entry.ok_or(BakedFault::NotYlm)?).map_err(BakedFault::MetadataJson)?;
+    let (tensors, entry) = parse_tensors(bytes)?;
     let (bands, mut record) = parse_metadata(&entry)?;
 
     let positions: Vec<Vec3> = finite_rows(&tensors, "positions", None)?;
@@ -349,47 +267,6 @@ fn parse_metadata(entry: &Map<String, Value>) -> std::result::Result<(Bands, Bak
         ylm_version: text("ylm_version")?.to_owned(),
     };
     Ok((bands, record))
-}
-
-/// A tensor's rows, each of `width` elements, as `R`s; `row_count` if it is known already.
-fn rows<R: bytemuck::Pod>(
-    tensors: &SafeTensors,
-    name: &'static str,
-    dtype: Dtype,
-    row_count: Option<usize>,
-    width: usize,
-) -> std::result::Result<Vec<R>, BakedFault> {
-    let tensor = tensors.tensor(name).map_err(|_| BakedFault::MissingTensor(name))?;
-    if tensor.dtype() != dtype {
-        return Err(BakedFault::DType { name, expected: dtype, found: tensor.dtype() });
-    }
-    let row_count = row_count.or(tensor.shape().first().copied()).unwrap_or(0);
-    if tensor.shape() != [row_count, width] {
-        return Err(BakedFault::Shape {
-            name,
-            expected: vec![row_count, width],
-            found: tensor.shape().to_vec(),
-        });
-    }
-    Ok(bytemuck::pod_collect_to_vec(tensor.data()))
-}
-
-/// Rows of three finite f32.
-fn finite_rows<R: bytemuck::Pod>(
-    tensors: &SafeTensors,
-    name: &'static str,
-    row_count: Option<usize>,
-) -> std::result::Result<Vec<R>, BakedFault> {
-    let values = rows(tensors, name, Dtype::F32, row_count, 3)?;
-    check_finite(name, bytemuck::cast_slice(&values), 3)?;
-    Ok(values)
-}
-
-fn check_finite(name: &'static str, values: &[f32], width: usize) -> std::result::Result<(), BakedFault> {
-    match values.iter().position(|value| !value.is_finite()) {
-        Some(index) => Err(BakedFault::NonFinite { name, row: index / width }),
-        None => Ok(()),
-    }
 }
 
 #[cfg(test)]

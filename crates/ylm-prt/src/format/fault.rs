@@ -1,6 +1,6 @@
-//! The ways in which a baked file can lie.
+//! The ways in which a baked file, or a field, can lie.
 
-/// What is wrong with a baked file.
+/// What is wrong with a baked file or a field.
 #[derive(Debug, thiserror::Error)]
 pub enum BakedFault {
     /// The container itself is broken or something else.
@@ -8,7 +8,7 @@ pub enum BakedFault {
     Container(#[from] safetensors::SafeTensorError),
     /// A safetensors file of somebody else.
     #[error(
-        "a safetensors file, but not a baked scene: it has no metadata «ylm»; bake a mesh with `ylm bake`"
+        "a safetensors file, but not of ylm: it has no metadata «ylm»; bake a mesh with `ylm bake`, or its field with `ylm field`"
     )]
     NotYlm,
     /// The metadata is no JSON object.
@@ -97,6 +97,30 @@ pub enum BakedFault {
         emitted: usize,
         /// Lighting points: rows of a layer.
         points: usize,
+    },
+    /// Radii of a field that do not rise, or go beyond its reach.
+    #[error("radius {row} is {radius}: radii must be positive, rise, and end before the reach")]
+    Radius {
+        /// Which shell.
+        row: usize,
+        /// Its radius.
+        radius: f32,
+    },
+    /// A number of cuts that no shell of a field has.
+    #[error("frequency {row} is {frequency}, must be 1 to {most}")]
+    Frequency {
+        /// Which shell.
+        row: usize,
+        /// What is there.
+        frequency: u32,
+        /// The most.
+        most: u32,
+    },
+    /// A direction of a field that is not the grid's.
+    #[error("direction {row} is not that of the geodesic grid; the samples of a shell stand in its order")]
+    Direction {
+        /// Which sample.
+        row: usize,
     },
     /// A triangle names a vertex that is not there.
     #[error("tensor «{name}»: triangle {triangle} names vertex {vertex}, and there are {count}")]

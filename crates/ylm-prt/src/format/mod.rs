@@ -2,10 +2,13 @@
 
 mod baked;
 mod checkpoint;
+mod container;
 mod fault;
+mod field;
 mod light;
 
 pub use baked::{FORMAT_VERSION, read_baked, write_baked};
 pub use checkpoint::{Checkpoint, Existing, checkpoint_path};
 pub use fault::BakedFault;
+pub use field::{read_field, read_kind, write_field};
 pub use light::{write_light, write_light_description};

@@ -1,7 +1,10 @@
 use proptest::prelude::*;
 use safetensors::tensor::TensorView;
 
+use std::collections::HashMap;
+
 use super::*;
+use crate::format::container::METADATA_KEY;
 
 /// One triangle of two bands, every number different.
 fn triangle() -> Baked {
@@ -327,7 +330,7 @@ fn each_lie_in_the_metadata_is_named() {
         assert!(fault.contains(expected), "{from} → {to}: {fault}");
     }
     let nothing = safetensors::serialize(Vec::<(String, TensorView)>::new(), None).unwrap();
-    assert!(fault_of(&nothing).contains("not a baked scene"));
+    assert!(fault_of(&nothing).contains("not of ylm"));
     assert!(fault_of(b"ply\nformat ascii 1.0\n").contains("not a readable safetensors file"));
 }
 
