@@ -93,6 +93,20 @@ fn points_are_mended_by_less_than_the_light_is() {
 }
 
 #[test]
+fn points_under_a_lamp_are_mended_as_well() {
+    let place = Place::new();
+    place.json("bake cube.obj -o cube.safetensors --bands 5 --rays 256");
+    let lamp = "sphere?pos=3,4,2&radius=0.3&intensity=50";
+    let render = |window: &str| {
+        place.json(&format!("render cube.safetensors --light {lamp} -o a.png --size 32x24 --window {window}"))
+    };
+    let (plain, points) = (render("none"), render("auto:points"));
+    let over_mean = |render: &Value| render["radiance"]["most_negative_over_mean"].as_f64().unwrap();
+    assert!(over_mean(&plain) < -1e-3 && over_mean(&points) >= -1e-6, "{plain} {points}");
+    assert_eq!(points["window"]["kind"], "poisson");
+}
+
+#[test]
 fn what_is_negative_is_shown_in_colour_on_grey() {
     let place = Place::new();
     place.json("bake cube.obj -o cube.safetensors --bands 5 --rays 256");
