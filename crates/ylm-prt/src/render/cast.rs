@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::false_colour::Colours;
 use crate::error::{Error, Result};
 use crate::image::{Image, MAX_TEXELS};
-use crate::scene::{Bvh, Camera, LightingPoints};
+use crate::scene::{Bvh, Camera, Hit, LightingPoints};
 
 /// Size and anti-aliasing of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,7 +86,6 @@ pub fn render_in(
     raster: &Raster,
     background: &(dyn Fn(Vec3) -> Vec3 + Sync),
 ) -> Result<Image> {
-    raster.check()?;
     if radiance.len() != points.positions.len() {
         return Err(Error::Request(format!(
             "{} radiances for {} lighting points",
@@ -94,32 +93,93 @@ pub fn render_in(
             points.positions.len()
         )));
     }
-    let offsets = tent_samples(raster.samples);
-    let seen = |at: Vec2| {
-        let ray = camera.ray(at, raster.width, raster.height);
-        match bvh.closest(&ray) {
-            Some(hit) => {
-                let [a, b, c] =
-                    points.triangles[hit.triangle as usize].map(|corner| radiance[corner as usize]);
-                let [v, w] = hit.barycentric;
-                colours.of((1.0 - v - w) * a + v * b + w * c)
-            }
-            None => background(ray.direction),
+    let interpolate = |hits: &[Hit], out: &mut [Vec3]| {
+        for (hit, out) in hits.iter().zip(out) {
+            let corners = points.triangles[hit.triangle as usize];
+            *out = colours.of(hit.interpolate(corners.map(|corner| radiance[corner as usize])));
         }
+        Ok(())
     };
+    render_hits(bvh, camera, raster, &interpolate, background)
+}
+
+/// [`render`], with the radiance of what each ray meets, given for a row of rays at once.
+///
+/// `shade` writes the radiance towards the camera of the places that it is given: [`Hit::interpolate`] tells what is there.
+///
+/// # Errors
+/// If the raster is empty or beyond its range, or `shade` fails.
+pub fn render_hits(
+    bvh: &Bvh,
+    camera: &Camera,
+    raster: &Raster,
+    shade: &(dyn Fn(&[Hit], &mut [Vec3]) -> Result<()> + Sync),
+    background: &(dyn Fn(Vec3) -> Vec3 + Sync),
+) -> Result<Image> {
+    raster.check()?;
+    let offsets = tent_samples(raster.samples);
     let mut image = Image {
         width: raster.width,
         height: raster.height,
         pixels: vec![[0.0; 3]; raster.width * raster.height],
     };
-    image.pixels.par_chunks_mut(raster.width).enumerate().for_each(|(row, pixels)| {
-        for (column, pixel) in pixels.iter_mut().enumerate() {
-            let centre = Vec2::new(column as f32 + 0.5, row as f32 + 0.5);
-            let sum: Vec3 = offsets.iter().map(|&offset| seen(centre + offset)).sum();
-            *pixel = (sum / offsets.len() as f32).to_array();
+    let rows = image.pixels.par_chunks_mut(raster.width).enumerate();
+    rows.try_for_each_init(Row::default, |row, (y, pixels)| -> Result<()> {
+        row.clear();
+        for x in 0..raster.width {
+            let centre = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+            for &offset in &offsets {
+                let ray = camera.ray(centre + offset, raster.width, raster.height);
+                row.push(bvh.closest(&ray), || background(ray.direction));
+            }
         }
-    });
+        row.shade(shade)?;
+        for (pixel, seen) in pixels.iter_mut().zip(row.radiance.chunks_exact(offsets.len())) {
+            *pixel = (seen.iter().sum::<Vec3>() / offsets.len() as f32).to_array();
+        }
+        Ok(())
+    })?;
     Ok(image)
+}
+
+/// What the rays of a row of pixels see.
+#[derive(Default)]
+struct Row {
+    hits: Vec<Hit>,
+    /// Of each hit, its ray.
+    rays: Vec<usize>,
+    of_hits: Vec<Vec3>,
+    /// Of each ray.
+    radiance: Vec<Vec3>,
+}
+
+impl Row {
+    fn clear(&mut self) {
+        self.hits.clear();
+        self.rays.clear();
+        self.radiance.clear();
+    }
+
+    fn push(&mut self, hit: Option<Hit>, background: impl FnOnce() -> Vec3) {
+        match hit {
+            Some(hit) => {
+                self.hits.push(hit);
+                self.rays.push(self.radiance.len());
+                self.radiance.push(Vec3::ZERO);
+            }
+            None => self.radiance.push(background()),
+        }
+    }
+
+    fn shade(&mut self, shade: &(dyn Fn(&[Hit], &mut [Vec3]) -> Result<()> + Sync)) -> Result<()> {
+        self.of_hits.clear();
+        self.of_hits.resize(self.hits.len(), Vec3::ZERO);
+        shade(&self.hits, &mut self.of_hits)?;
+        for (&ray, &radiance) in self.rays.iter().zip(&self.of_hits) {
+            self.radiance[ray] = radiance;
+        }
+        Ok(())
+    }
 }
 
 /// Points around the middle of a pixel whose density is the tent of radius 1: (1 − |x|) (1 − |y|).

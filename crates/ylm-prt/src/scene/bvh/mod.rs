@@ -53,6 +53,15 @@ pub struct Hit {
     pub barycentric: [f32; 2],
 }
 
+impl Hit {
+    /// What is at the hit, of what is at the triangle's corners.
+    pub fn interpolate(&self, corners: [Vec3; 3]) -> Vec3 {
+        let [a, b, c] = corners;
+        let [v, w] = self.barycentric;
+        (1.0 - v - w) * a + v * b + w * c
+    }
+}
+
 /// Triangles, ready for rays.
 ///
 /// Both sides of a triangle count. A ray through a shared edge or vertex of a closed mesh hits at least one of the
