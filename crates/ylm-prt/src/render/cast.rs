@@ -103,6 +103,9 @@ pub fn render_in(
     render_hits(bvh, camera, raster, &interpolate, background)
 }
 
+/// Writes the radiance towards the camera of the places that rays meet.
+pub type ShadeHits<'a> = dyn Fn(&[Hit], &mut [Vec3]) -> Result<()> + Sync + 'a;
+
 /// [`render`], with the radiance of what each ray meets, given for a row of rays at once.
 ///
 /// `shade` writes the radiance towards the camera of the places that it is given: [`Hit::interpolate`] tells what is there.
@@ -113,7 +116,7 @@ pub fn render_hits(
     bvh: &Bvh,
     camera: &Camera,
     raster: &Raster,
-    shade: &(dyn Fn(&[Hit], &mut [Vec3]) -> Result<()> + Sync),
+    shade: &ShadeHits,
     background: &(dyn Fn(Vec3) -> Vec3 + Sync),
 ) -> Result<Image> {
     raster.check()?;
@@ -171,7 +174,7 @@ impl Row {
         }
     }
 
-    fn shade(&mut self, shade: &(dyn Fn(&[Hit], &mut [Vec3]) -> Result<()> + Sync)) -> Result<()> {
+    fn shade(&mut self, shade: &ShadeHits) -> Result<()> {
         self.of_hits.clear();
         self.of_hits.resize(self.hits.len(), Vec3::ZERO);
         shade(&self.hits, &mut self.of_hits)?;

@@ -6,7 +6,7 @@ mod difference;
 mod false_colour;
 mod tonemap;
 
-pub use cast::{Raster, backdrop, render, render_hits, render_in};
+pub use cast::{Raster, ShadeHits, backdrop, render, render_hits, render_in};
 pub use contact_sheet::{Frame, Sheet, contact_sheet};
 pub use difference::{Difference, ErrorScale, compare, compare_files, error_picture};
 pub use false_colour::{Colours, heat_colour, negative_colour, signed_colour};
