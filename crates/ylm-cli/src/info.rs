@@ -11,10 +11,11 @@ use serde_json::{Map, Value, json};
 use ylm::Bands;
 use ylm_prt::error::{Error, Result};
 use ylm_prt::field::Shell;
-use ylm_prt::format::{read_baked, read_field, read_kind};
+use ylm_prt::format::{is_stage, read_baked, read_field, read_kind, read_stage};
 use ylm_prt::image::{Image, ReadOptions};
 use ylm_prt::light::{Light, LightCoeffs, Part, Probe, Source};
 use ylm_prt::scene::{LightingPoints, Material, Mesh, Topology};
+use ylm_prt::stage::ObjectDescription;
 use ylm_prt::transfer::Precision;
 
 use crate::output::Output;
@@ -35,6 +36,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
     let facts = match Kind::of(path)? {
         Kind::Baked if read_kind(path)? == "field" => field(path)?,
         Kind::Baked => baked(path)?,
+        Kind::Light if is_stage(path)? => scene(path)?,
         Kind::Light => light(path, &arguments.model.probe_options())?,
         Kind::Probe => probe(path, &arguments.model.probe_options())?,
         Kind::Picture => picture(path)?,
@@ -54,7 +56,7 @@ pub enum Kind {
     Picture,
     /// What `ylm bake` or `ylm field` wrote.
     Baked,
-    /// What `ylm light` wrote.
+    /// What `ylm light` wrote, or a scene.
     Light,
 }
 
@@ -198,6 +200,28 @@ fn baked(path: &Path) -> Result<Map<String, Value>> {
         "source": record.source,
         "source_sha256": record.source_sha256,
         "ylm_version": record.ylm_version,
+    })))
+}
+
+fn scene(path: &Path) -> Result<Map<String, Value>> {
+    let scene = read_stage(path)?;
+    let told = |object: &ObjectDescription| {
+        json!({
+            "name": object.name,
+            "model": object.model,
+            "baked": object.baked,
+            "field": object.field,
+            "moves": !object.motion.is_still(),
+        })
+    };
+    Ok(object(json!({
+        "kind": "scene",
+        "bands": scene.bands.count(),
+        "seconds": scene.seconds,
+        "objects": scene.objects.iter().map(told).collect::<Vec<_>>(),
+        "ground": scene.ground.is_some(),
+        "light_parts": scene.light.parts().len(),
+        "local_light": scene.light.is_local(),
     })))
 }
 

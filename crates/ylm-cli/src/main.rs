@@ -15,6 +15,7 @@ mod output;
 mod plot;
 mod progress;
 mod render;
+mod scene;
 mod shader;
 mod shading;
 mod source;
@@ -44,8 +45,9 @@ enum Verb {
     Demo(demo::Arguments),
     Bake(bake::Arguments),
     Field(field::Arguments),
+    Scene(scene::Arguments),
     Light(light::Arguments),
-    Render(render::Arguments),
+    Render(Box<render::Arguments>),
     Compare(compare::Arguments),
     Plot(plot::Arguments),
     Info(info::Arguments),
@@ -77,6 +79,7 @@ fn main() -> ExitCode {
         Verb::Demo(arguments) => demo::run(arguments, &output),
         Verb::Bake(arguments) => bake::run(arguments, &output),
         Verb::Field(arguments) => field::run(arguments, &output),
+        Verb::Scene(arguments) => scene::run(arguments, &output),
         Verb::Light(arguments) => light::run(arguments, &output),
         Verb::Render(arguments) => render::run(arguments, &output),
         Verb::Compare(arguments) => compare::run(arguments, &output),

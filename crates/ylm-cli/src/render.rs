@@ -1,5 +1,7 @@
 //! `ylm render`: a baked scene under a light, as a picture.
 
+mod moving;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -30,22 +32,23 @@ use crate::shading::{self, Shaded};
 use crate::spin::{self, Measures, Turn};
 use crate::view::{self, Shading, ViewOptions};
 use crate::window::WindowChoice;
+use moving::MovingOptions;
 
-/// Draw a baked scene under a light
+/// Draw a baked scene under a light, or a scene of moving objects
 #[derive(clap::Args)]
 #[command(after_help = options::LIGHT_HELP)]
 pub struct Arguments {
-    /// A file that `ylm bake` wrote
+    /// A file that `ylm bake` wrote, or the .json of a scene of moving objects (docs/format.md)
     baked: PathBuf,
-    /// A probe, a formula, or a sum; see below
+    /// A probe, a formula, or a sum; see below. A scene has a light of its own, and this takes its place
     #[arg(long, value_name = "LIGHT")]
-    light: String,
+    light: Option<String>,
     #[command(flatten)]
     options: LightOptions,
     /// The picture to write: .png, or .exr for linear radiance
     #[arg(short, long, value_name = "PICTURE", value_parser = PathBufValueParser::new().try_map(options::picture))]
     output: PathBuf,
-    /// How vertices are lit, or what is shown of it
+    /// How vertices are lit, or what is shown of it; a scene of moving objects by field-exact if nothing is said
     #[arg(long, value_enum, default_value_t = Shading::Diffuse)]
     shading: Shading,
     #[command(flatten)]
@@ -58,6 +61,8 @@ pub struct Arguments {
     /// Use the light's first N bands only; with --shading reference, light by what they hold
     #[arg(long, value_parser = options::bands, value_name = "N")]
     light_bands: Option<Bands>,
+    #[command(flatten)]
+    moving: MovingOptions,
     #[command(flatten)]
     near: NearOptions,
     #[command(flatten)]
@@ -100,6 +105,7 @@ impl Arguments {
     /// # Errors
     /// The line that says so.
     pub fn check(&self) -> Result<(), String> {
+        self.check_moving()?;
         if options::has_extension(&self.output, "exr") && self.tonemap != ToneMap::None {
             return Err("--tonemap is for .png; an .exr holds linear radiance".to_owned());
         }
@@ -140,19 +146,23 @@ impl Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
+    if arguments.is_moving() {
+        return moving::run(arguments, output);
+    }
+    let spec = arguments.light.as_deref().unwrap_or_default();
     let turns = arguments.spin.map(|frame_count| spin::turns(frame_count, &arguments.output));
     let destinations = match &turns {
         Some(turns) => turns.iter().map(|turn| turn.output.as_path()).collect(),
         None => vec![arguments.output.as_path()],
     };
     for destination in destinations {
-        options::check_destination(destination, &[&arguments.baked], &arguments.light)?;
+        options::check_destination(destination, &[&arguments.baked], spec)?;
     }
     let start = Instant::now();
     let baked = read_baked(&arguments.baked)?;
     let baked =
         arguments.view.transport_of(baked).map_err(|error| error::Error::file(&arguments.baked, error))?;
-    let (light, suns) = arguments.options.read_with_suns(&arguments.light, output)?;
+    let (light, suns) = arguments.options.read_with_suns(spec, output)?;
     let stage = arguments.balls.stage(&baked)?;
     output.step(&format!(
         "{} points read in {:.2} s",
@@ -199,7 +209,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         start.elapsed().as_secs_f64()
     );
     let value = json!({
-        "output": path_value(&arguments.output), "size": [width, height], "light": arguments.light, "repaired": options::repaired_count(&light), "suns": options::suns_value(suns.as_deref()), "shading": shading,
+        "output": path_value(&arguments.output), "size": [width, height], "light": spec, "repaired": options::repaired_count(&light), "suns": options::suns_value(suns.as_deref()), "shading": shading,
         "bands": baked.transfer.bands.count(), "light_bands": arguments.light_bands.map(Bands::count),
         "band": arguments.view.band(), "bounce": arguments.view.bounce(), "scale": view::scale_value(drawn.colours), "near": arguments.near.json(&light),
         "balls": arguments.balls.json(), "window": choice.value(window),

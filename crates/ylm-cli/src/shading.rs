@@ -145,7 +145,7 @@ pub fn reference_behind(baked: &Baked, occlusion: Occlusion, light: &Light, rays
 }
 
 /// What a diffuse surface makes of irradiance, ρ/π E, and what it sends out itself.
-fn reflect(points: &LightingPoints, irradiance: &Irradiance) -> Vec<Vec3> {
+pub fn reflect(points: &LightingPoints, irradiance: &Irradiance) -> Vec<Vec3> {
     let pairs = irradiance.values.iter().zip(&points.albedo);
     let reflected = pairs.map(|(&e, &albedo)| e * Vec3::from(albedo) * std::f32::consts::FRAC_1_PI);
     let emission = points.emission.iter().flatten().map(|&emission| Vec3::from(emission));

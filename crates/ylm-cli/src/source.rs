@@ -30,6 +30,15 @@ enum Up {
 }
 
 impl ModelOptions {
+    /// For a model whose up axis is told elsewhere.
+    pub fn of(up: UpAxis) -> Self {
+        let up = match up {
+            UpAxis::Y => Up::Y,
+            UpAxis::Z => Up::Z,
+        };
+        Self { up, repair: false }
+    }
+
     /// For the readers.
     pub fn read_options(&self) -> ReadOptions {
         ReadOptions {
@@ -194,6 +203,16 @@ pub fn warn_of_repairs(path: &Path, repairs: &Repairs, output: &Output) {
     if *white > 0 {
         output.warn(&format!("{}: made {white} vertices white whose colour is no albedo", path.display()));
     }
+}
+
+/// SHA-256 of a file's bytes.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn sha256(path: &Path) -> Result<String> {
+    let mut hash = Sha256::new();
+    hash_file(path, &mut hash).map_err(|error| Error::io(path, error))?;
+    Ok(hexadecimal(hash))
 }
 
 fn hash_file(path: &Path, hash: &mut Sha256) -> io::Result<()> {

@@ -17,6 +17,13 @@ pub struct Turn {
 ///
 /// The model turns from +z towards +x, as azimuths do.
 pub fn turns(frame_count: u32, output: &Path) -> Vec<Turn> {
+    let frames = (0..frame_count).zip(numbered(frame_count, output));
+    let angle = |frame: u32| std::f32::consts::TAU * frame as f32 / frame_count as f32;
+    frames.map(|(frame, output)| Turn { rotation: Quat::from_rotation_y(-angle(frame)), output }).collect()
+}
+
+/// The names of the pictures of an animation: `name.png` becomes `name-0001.png` and so on.
+pub fn numbered(frame_count: u32, output: &Path) -> Vec<PathBuf> {
     let digits = frame_count.to_string().len().max(4);
     let stem = output.file_stem().unwrap_or_default().to_os_string();
     (0..frame_count)
@@ -27,8 +34,7 @@ pub fn turns(frame_count: u32, output: &Path) -> Vec<Turn> {
                 name.push(".");
                 name.push(extension);
             }
-            let angle = std::f32::consts::TAU * frame as f32 / frame_count as f32;
-            Turn { rotation: Quat::from_rotation_y(-angle), output: output.with_file_name(name) }
+            output.with_file_name(name)
         })
         .collect()
 }

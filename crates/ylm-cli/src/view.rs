@@ -1,5 +1,6 @@
 //! What a picture shows of the light that leaves a scene: all of it, or a part of it in false colours.
 
+use clap::ValueEnum;
 use glam::Vec3;
 use serde_json::{Value, json};
 use ylm_prt::error::Result;
@@ -20,6 +21,12 @@ pub enum Shading {
     Adaptive,
     /// Where --shading adaptive goes on after the fourth band, in false colours: black nowhere, yellow to the last
     Roi,
+    /// Of a scene of moving objects: each point's visibility times all fields around it, exact to the bands
+    FieldExact,
+    /// Of such a scene: the same as a chain of triple products, each cut to the bands
+    FieldChain,
+    /// Of such a scene: objects as balls, by SH exponentiation; the compared method
+    Shexp,
     /// Brute force: rays from every vertex into the light, no spherical harmonics
     Reference,
     /// What --band alone adds, in false colours of its luminance: blue below 0, white at 0, red above
@@ -51,7 +58,12 @@ impl Shading {
 
     /// For the report.
     pub fn name(self) -> String {
-        format!("{self:?}").to_lowercase()
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+
+    /// Whether it is for scenes of moving objects alone.
+    pub fn is_of_fields(self) -> bool {
+        matches!(self, Self::FieldExact | Self::FieldChain | Self::Shexp)
     }
 }
 
@@ -113,7 +125,14 @@ impl ViewOptions {
     pub fn colours(&self, shading: Shading, radiance: &[Vec3]) -> Colours {
         match (shading, self.full) {
             (
-                Shading::Diffuse | Shading::Bounce | Shading::Glossy | Shading::Adaptive | Shading::Reference,
+                Shading::Diffuse
+                | Shading::Bounce
+                | Shading::Glossy
+                | Shading::Adaptive
+                | Shading::FieldExact
+                | Shading::FieldChain
+                | Shading::Shexp
+                | Shading::Reference,
                 _,
             ) => Colours::Radiance,
             (Shading::Roi, full) => Colours::Heat { full: full.unwrap_or(1.0) },

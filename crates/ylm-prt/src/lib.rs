@@ -13,6 +13,7 @@ pub mod reference;
 pub mod render;
 pub mod scene;
 pub mod shade;
+pub mod stage;
 pub mod transfer;
 
 pub use error::{Error, Result};

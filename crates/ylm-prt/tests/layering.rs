@@ -14,9 +14,10 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("transfer", &["scene"]),
     ("field", &["scene", "transfer"]),
     ("shade", &["scene", "light", "transfer", "field"]),
+    ("stage", &["scene", "light", "transfer", "field", "shade"]),
     ("render", &["scene", "image"]),
     ("reference", &["scene", "light", "image"]),
-    ("format", &["scene", "light", "transfer", "field"]),
+    ("format", &["scene", "light", "transfer", "field", "stage", "image"]),
 ];
 
 /// What reports faults, and what writes whole files.

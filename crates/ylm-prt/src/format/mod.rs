@@ -6,9 +6,11 @@ mod container;
 mod fault;
 mod field;
 mod light;
+mod stage;
 
 pub use baked::{FORMAT_VERSION, read_baked, write_baked};
 pub use checkpoint::{Checkpoint, Existing, checkpoint_path};
 pub use fault::BakedFault;
 pub use field::{read_field, read_kind, write_field};
 pub use light::{write_light, write_light_description};
+pub use stage::{SceneFault, is_stage, open_stage, read_actor, read_stage};

@@ -7,6 +7,7 @@
 //! | [`shade_monochrome`] | one, from far away; bounced light without its colours | 3n² multiply-adds; n² where it has one colour |
 //! | [`shade_glossy`] | one, from far away, reflected around the mirrored view direction | O(n³) |
 //! | [`shade_adaptive`] | the same, all bands only where they show | what the light of each point needs |
+//! | [`shade_fields`] | any, behind objects that move | a product of as many functions as objects are near |
 //! | [`shade_linear`] | 2 bands, no shadows, nothing baked | 4 multiply-adds a channel |
 
 pub mod adaptive;
@@ -14,6 +15,7 @@ mod ball;
 mod bounced;
 mod cage;
 mod diffuse;
+pub mod fields;
 pub mod glossy;
 pub mod grey;
 mod incident;
@@ -26,6 +28,7 @@ mod shadowed;
 pub use adaptive::{AdaptiveScene, AdaptiveSettings, shade_adaptive};
 pub use ball::{Ball, Cap, dim};
 pub use diffuse::shade_diffuse;
+pub use fields::{Body, FieldFrame, FieldProduct, FieldShading, shade_fields};
 pub use glossy::{GlossyLight, GlossyMaterial, Received, SpecularWay, shade_glossy};
 pub use incident::{Far, Incident, shade_diffuse_under};
 pub use linear::{LinearIrradiance, shade_linear};

@@ -1,0 +1,305 @@
+//! Relighting of rigid objects that move: each point's own visibility times what every other object leaves of it.
+//!
+//! V(x, ω) = V_self(x, ω) · Π_j (1 − B_j(x, ω)), B_j the field of object j, turned and interpolated: a product of many functions of n bands,
+//! exact to n bands or as a chain of triple products. Irradiance is ∫ L V max(0, n·ω) dω, in n bands of each.
+//!
+//! Everything happens in the axes of the object that is lit: its own visibility and its cosines stand still there, the light is turned
+//! once, and fields have to be turned for each point anyway. [Zhou et al. 2005], [Xin21] 5.3.2
+
+mod exponential;
+mod lamps;
+mod multiply;
+mod seen;
+
+use std::time::Instant;
+
+use glam::{Quat, Vec3};
+use rayon::prelude::*;
+use ylm::product::grid::{Factor, Grid, Values};
+use ylm::rotate::FrameRotation;
+use ylm::window::Window;
+use ylm::zonal::Zonal;
+use ylm::{Bands, Workspace};
+
+use crate::error::{Error, Result};
+use crate::field::{OcclusionField, SphereSet};
+use crate::light::{Light, LightCoeffs};
+use crate::scene::{LightingPoints, Pose};
+use crate::shade::diffuse::reflected;
+use crate::shade::grey;
+use exponential::Exponential;
+pub use exponential::LogTable;
+use lamps::Lamp;
+use multiply::Multiply;
+use seen::Seen;
+
+/// A rigid object: what is lit of it, and what it hides.
+#[derive(Clone, Copy)]
+pub struct Body<'a> {
+    /// In its own axes.
+    pub points: &'a LightingPoints,
+    /// What each point sees of the body itself, [point, n²], in its own axes: [`crate::transfer::Transfer::visibility`].
+    pub visibility: &'a [f32],
+    /// What it hides from others; `None` if it casts no shadow on them.
+    pub field: Option<&'a OcclusionField>,
+    /// The same as balls, for [`FieldProduct::Exponential`].
+    pub spheres: Option<&'a SphereSet>,
+    /// Where it stands.
+    pub world_from_local: Pose,
+}
+
+/// How visibilities are multiplied.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FieldProduct {
+    /// All at once, exact to n bands.
+    #[default]
+    Exact,
+    /// One after the other, the nearest first, cut to n bands each time.
+    Chain,
+    /// As the exponential of a sum of logarithms of balls: [Ren et al. 2006].
+    Exponential,
+}
+
+/// How bodies are shaded.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FieldShading {
+    /// How visibilities are multiplied.
+    pub product: FieldProduct,
+    /// Damps each point's visibility after the products, against ringing.
+    pub window: Option<Window>,
+}
+
+/// What comes of shading: radiance, and what it took.
+#[derive(Clone, Debug, Default)]
+pub struct FieldFrame {
+    /// One RGB radiance a point, of each body.
+    pub radiance: Vec<Vec<Vec3>>,
+    /// Pairs of a point and an object that hides something from it.
+    pub pair_count: usize,
+    /// Seconds of all threads together in products of SH functions and integrals of them.
+    pub product_seconds: f64,
+    /// Seconds of all threads together.
+    pub thread_seconds: f64,
+}
+
+/// The radiance that leaves each point of diffuse bodies: albedo/π times irradiance, and what the body sends out itself.
+///
+/// Objects hide light from each other and from themselves; they send none to each other. What is in the way of a lamp that stands somewhere is
+/// what is nearer to the point than the lamp's middle, by its centre. The result can be negative where bands ring; it is not clamped here.
+///
+/// Units: radiance in, radiance out. Error: that of fields and of n bands; measured against rays in docs/results/fields.md.
+/// Cost: a point and object within reach an interpolation, a rotation and a product; in parallel, the same radiance for any number of
+/// threads.
+///
+/// # Errors
+/// If a body has other bands, more than 31 objects hide something from one point, or the light fails.
+pub fn shade_fields(
+    bodies: &[Body<'_>],
+    light: &Light,
+    bands: Bands,
+    shading: &FieldShading,
+) -> Result<FieldFrame> {
+    let width = bands.coeff_count();
+    for (index, body) in bodies.iter().enumerate() {
+        let has_bands = body.visibility.len() == body.points.positions.len() * width
+            && body.field.is_none_or(|field| field.bands() == bands);
+        if !has_bands {
+            return Err(Error::Request(format!(
+                "object {} has not {} bands, which the scene is shaded in",
+                index + 1,
+                bands.count()
+            )));
+        }
+    }
+    let far = light.far().project(bands)?;
+    let log_table = match shading.product {
+        FieldProduct::Exponential => Some(LogTable::of(bands)?),
+        _ => None,
+    };
+    let mut frame = FieldFrame::default();
+    for index in 0..bodies.len() {
+        let stage = Lit::new(bodies, index, light, &far, bands, shading, log_table.as_deref())?;
+        let point_count = bodies[index].points.positions.len();
+        let mut radiance = vec![Vec3::ZERO; point_count];
+        let counts = radiance
+            .par_chunks_mut(CHUNK)
+            .enumerate()
+            .map_init(Scratch::default, |scratch, (chunk, radiance)| {
+                stage.shade(chunk * CHUNK, radiance, scratch)
+            })
+            .collect::<Result<Vec<Counts>>>()?;
+        for counts in counts {
+            frame.pair_count += counts.pairs;
+            frame.product_seconds += counts.product_seconds;
+            frame.thread_seconds += counts.thread_seconds;
+        }
+        frame.radiance.push(radiance);
+    }
+    Ok(frame)
+}
+
+/// Points that a thread does at once: several groups of 16 with as many occluders each.
+const CHUNK: usize = 128;
+
+/// What one chunk took.
+#[derive(Clone, Copy, Default)]
+struct Counts {
+    pairs: usize,
+    product_seconds: f64,
+    thread_seconds: f64,
+}
+
+/// One body under the light, behind the others.
+struct Lit<'a> {
+    bodies: &'a [Body<'a>],
+    index: usize,
+    bands: Bands,
+    window: Option<Window>,
+    /// Takes the world's axes to those of the body.
+    local_from_world: Quat,
+    /// The far light, ready for products.
+    grid: Grid<f32>,
+    far: Vec<Values<f32>>,
+    tint: Vec3,
+    lamps: Vec<Lamp>,
+    cosine: Zonal<f32>,
+    rotation: FrameRotation<f32>,
+    multiply: Multiply,
+    exponential: Option<Exponential<'a>>,
+}
+
+/// Buffers of a thread.
+#[derive(Default)]
+struct Scratch {
+    workspace: Workspace,
+    seen: Seen,
+    visibility: Vec<f32>,
+    cosines: Vec<f32>,
+    irradiance: Vec<f32>,
+    lamp: lamps::Scratch,
+    multiply: multiply::Scratch,
+    exponential: exponential::Scratch,
+}
+
+impl<'a> Lit<'a> {
+    fn new(
+        bodies: &'a [Body<'a>],
+        index: usize,
+        light: &Light,
+        far: &LightCoeffs,
+        bands: Bands,
+        shading: &FieldShading,
+        log_table: Option<&'a LogTable>,
+    ) -> Result<Self> {
+        let local_from_world = bodies[index].world_from_local.rotation.conjugate();
+        let far = far.rotated(local_from_world)?;
+        let (tint, channels) = match grey::split(&far) {
+            Some(grey) => (grey.tint, vec![grey.coeffs]),
+            None => (Vec3::ONE, far.channels.to_vec()),
+        };
+        let grid = Grid::new(bands, 2)?;
+        let mut workspace = Workspace::new();
+        let far = channels.iter().map(|c| grid.values(c, &mut workspace)).collect::<ylm::Result<_>>()?;
+        Ok(Self {
+            bodies,
+            index,
+            bands,
+            window: shading.window,
+            local_from_world,
+            grid,
+            far,
+            tint,
+            lamps: Lamp::all(light, local_from_world),
+            cosine: Zonal::clamped_cosine(bands),
+            rotation: FrameRotation::new(bands),
+            multiply: Multiply { bands, product: shading.product },
+            exponential: log_table.map(|table| Exponential { table, bodies, index }),
+        })
+    }
+
+    fn body(&self) -> &Body<'a> {
+        &self.bodies[self.index]
+    }
+
+    /// Writes the radiance of some points, from `first` on.
+    fn shade(&self, first: usize, radiance: &mut [Vec3], scratch: &mut Scratch) -> Result<Counts> {
+        let start = Instant::now();
+        let (points, width) = (self.body().points, self.bands.coeff_count());
+        let range = first..first + radiance.len();
+        let Scratch { workspace, seen, visibility, cosines, irradiance, lamp, multiply, exponential } =
+            scratch;
+        let mut product_seconds = 0.0;
+        let own = &self.body().visibility[range.start * width..range.end * width];
+        visibility.resize(own.len(), 0.0);
+        match &self.exponential {
+            None => seen.look(self.bodies, self.index, range.clone(), &self.rotation)?,
+            Some(exponential_way) => exponential_way.look(range.clone(), exponential)?,
+        }
+        let product_start = Instant::now();
+        match &self.exponential {
+            None => self.multiply.all(own, seen, &|_| true, visibility, multiply, workspace)?,
+            Some(way) => way.multiply(own, None, visibility, exponential, workspace)?,
+        }
+        self.damp(visibility)?;
+        product_seconds += product_start.elapsed().as_secs_f64();
+
+        let normals: Vec<[f32; 3]> = points.normals[range.clone()].iter().map(|n| n.to_array()).collect();
+        cosines.resize(own.len(), 0.0);
+        self.cosine.rotate_batch(&normals, cosines)?;
+        let product_start = Instant::now();
+        let channels = self.far.len();
+        irradiance.resize(radiance.len() * channels, 0.0);
+        let factors = [Factor::Rows(visibility.as_slice()), Factor::Rows(cosines.as_slice())];
+        self.grid.integrals_against(&factors, &self.far, irradiance, workspace)?;
+        product_seconds += product_start.elapsed().as_secs_f64();
+        for (radiance, of_point) in radiance.iter_mut().zip(irradiance.chunks_exact(channels)) {
+            *radiance = self.tint * Vec3::from_array(std::array::from_fn(|c| of_point[c % channels]));
+        }
+        for light in &self.lamps {
+            let pose = &self.body().world_from_local;
+            let places = points.positions[range.clone()].iter().map(|&x| pose.apply(x));
+            light.look(self.bands, self.local_from_world, places, lamp)?;
+            // What stands behind the lamp is not in its way.
+            let visibility = match &self.exponential {
+                None if seen.all_before(&lamp.distances) => &*visibility,
+                None => {
+                    let is_before = |pair: usize| seen.is_before(pair, &lamp.distances);
+                    lamp.visibility.resize(own.len(), 0.0);
+                    self.multiply.all(own, seen, &is_before, &mut lamp.visibility, multiply, workspace)?;
+                    self.damp(&mut lamp.visibility)?;
+                    &*lamp.visibility
+                }
+                Some(way) => {
+                    lamp.visibility.resize(own.len(), 0.0);
+                    let distances = Some(lamp.distances.as_slice());
+                    way.multiply(own, distances, &mut lamp.visibility, exponential, workspace)?;
+                    self.damp(&mut lamp.visibility)?;
+                    &*lamp.visibility
+                }
+            };
+            irradiance.resize(radiance.len(), 0.0);
+            let factors = [visibility, cosines.as_slice(), lamp.light.as_slice()].map(Factor::Rows);
+            self.grid.integral(&factors, 1, irradiance, workspace)?;
+            radiance.iter_mut().zip(&*irradiance).for_each(|(radiance, e)| *radiance += light.colour * *e);
+        }
+        for (radiance, point) in radiance.iter_mut().zip(range) {
+            *radiance = reflected(*radiance, points.albedo[point]);
+            if let Some(emission) = &points.emission {
+                *radiance += Vec3::from(emission[point]);
+            }
+        }
+        let thread_seconds = start.elapsed().as_secs_f64();
+        let pairs = if self.exponential.is_some() { exponential.pair_count() } else { seen.pair_count() };
+        Ok(Counts { pairs, product_seconds, thread_seconds })
+    }
+
+    /// Damps visibilities.
+    fn damp(&self, visibility: &mut [f32]) -> Result<()> {
+        if let Some(window) = &self.window {
+            for point in visibility.chunks_exact_mut(self.bands.coeff_count()) {
+                window.apply(self.bands, point)?;
+            }
+        }
+        Ok(())
+    }
+}

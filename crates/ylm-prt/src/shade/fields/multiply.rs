@@ -1,0 +1,96 @@
+//! The product of each point's visibilities, points with as many factors together.
+
+use ylm::product::plan::MAX_FACTORS;
+use ylm::product::{Method, chain, plan};
+use ylm::{Bands, Workspace};
+
+use super::FieldProduct;
+use super::seen::Seen;
+use crate::error::{Error, Result};
+
+/// Multiplies visibilities.
+pub struct Multiply {
+    pub bands: Bands,
+    pub product: FieldProduct,
+}
+
+/// Buffers of a thread.
+#[derive(Default)]
+pub struct Scratch {
+    /// The chosen pairs of each point, and where they begin.
+    pairs: Vec<u32>,
+    starts: Vec<usize>,
+    group: Vec<usize>,
+    factors: Vec<Vec<f32>>,
+    out: Vec<f32>,
+}
+
+impl Multiply {
+    /// Writes the visibility of points behind all objects of pairs that `counts` takes.
+    ///
+    /// Shapes: `own` and `out` are points × n².
+    pub fn all(
+        &self,
+        own: &[f32],
+        seen: &Seen,
+        counts: &dyn Fn(usize) -> bool,
+        out: &mut [f32],
+        scratch: &mut Scratch,
+        workspace: &mut Workspace,
+    ) -> Result<()> {
+        let width = self.bands.coeff_count();
+        let point_count = own.len() / width;
+        let Scratch { pairs, starts, group, factors, out: product } = scratch;
+        pairs.clear();
+        starts.clear();
+        for point in 0..point_count {
+            starts.push(pairs.len());
+            pairs.extend(seen.pairs_of(point).filter(|&pair| counts(pair)).map(|pair| pair as u32));
+        }
+        starts.push(pairs.len());
+        let count_of = |point: usize| starts[point + 1] - starts[point];
+        let most = (0..point_count).map(count_of).max().unwrap_or(0);
+        if most + 1 > MAX_FACTORS {
+            return Err(Error::Request(format!(
+                "{most} objects hide something from one point, and a product has at most {}; take fields with a \
+                 larger --error, which reach less far",
+                MAX_FACTORS - 1
+            )));
+        }
+        for count in 0..=most {
+            group.clear();
+            group.extend((0..point_count).filter(|&point| count_of(point) == count));
+            if count == 0 {
+                for &point in &*group {
+                    let range = point * width..(point + 1) * width;
+                    out[range.clone()].copy_from_slice(&own[range]);
+                }
+                continue;
+            }
+            if group.is_empty() {
+                continue;
+            }
+            factors.resize_with(factors.len().max(count + 1), Vec::new);
+            factors.iter_mut().for_each(Vec::clear);
+            for &point in &*group {
+                factors[0].extend_from_slice(&own[point * width..(point + 1) * width]);
+                let of_point = &pairs[starts[point]..starts[point + 1]];
+                for (factor, &pair) in factors[1..].iter_mut().zip(of_point) {
+                    factor.extend_from_slice(&seen.rows()[pair as usize * width..][..width]);
+                }
+            }
+            product.resize(group.len() * width, 0.0);
+            let factors: Vec<&[f32]> = factors[..=count].iter().map(Vec::as_slice).collect();
+            match self.product {
+                FieldProduct::Chain => chain::product(&factors, product, |a, b, out| {
+                    plan::product_in(self.bands, &[a, b], Method::Auto, out, workspace)
+                })?,
+                _ => plan::product_in(self.bands, &factors, Method::Auto, product, workspace)?,
+            }
+            for (&point, row) in group.iter().zip(product.chunks_exact(width)) {
+                out[point * width..(point + 1) * width].copy_from_slice(row);
+            }
+        }
+        Ok(())
+    }
+}

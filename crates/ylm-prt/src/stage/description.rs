@@ -1,0 +1,62 @@
+//! What a scene's file says, before anything that it names is read.
+
+use std::path::PathBuf;
+
+use ylm::Bands;
+
+use super::Motion;
+use crate::light::Light;
+use crate::scene::UpAxis;
+
+/// A scene of moving objects: docs/format.md, "The scene".
+#[derive(Clone, Debug)]
+pub struct StageDescription {
+    /// Bands of all that is baked for it.
+    pub bands: Bands,
+    /// Rays a point of visibility that is baked for it.
+    pub rays: u32,
+    /// The error that fields are baked for.
+    pub field_error: f32,
+    /// Length of the animation.
+    pub seconds: f32,
+    /// The light.
+    pub light: Light,
+    /// The objects.
+    pub objects: Vec<ObjectDescription>,
+    /// A ground, if there is one.
+    pub ground: Option<GroundDescription>,
+}
+
+/// An object of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectDescription {
+    /// What it is called.
+    pub name: String,
+    /// Its mesh; absent if what is baked is given.
+    pub model: Option<PathBuf>,
+    /// Which axis points up in the mesh.
+    pub up: UpAxis,
+    /// Its surface and what that sees of itself.
+    pub baked: PathBuf,
+    /// What it hides from others; `None` if it casts no shadow.
+    pub field: Option<PathBuf>,
+    /// Instead of its own.
+    pub albedo: Option<[f32; 3]>,
+    /// Where it is when.
+    pub motion: Motion,
+}
+
+/// A flat ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GroundDescription {
+    /// y of the ground.
+    pub height: f32,
+    /// x and z of its middle.
+    pub center: [f32; 2],
+    /// Length of a side.
+    pub size: f32,
+    /// Squares along a side.
+    pub cells: u32,
+    /// Its colour.
+    pub albedo: [f32; 3],
+}
