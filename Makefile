@@ -7,20 +7,27 @@
 CARGO ?= cargo
 PYTHON ?= python3
 VENV := .venv
+PYTHON_VENV := python/.venv
 
-.PHONY: demo test bench lint tables
+.PHONY: demo test bench lint tables python
 
 demo:
 	$(CARGO) run --release --locked -p ylm-cli -- demo --out demo
 
-test: lint tables
+test: lint tables $(PYTHON_VENV)/ready
 	$(CARGO) test --locked --workspace
+	$(TEST_PYTHON)
 
 bench:
 	$(CARGO) build --release --locked -p ylm-bench
 	for table in $$(target/release/ylm-bench --list); do \
 		target/release/ylm-bench $$table || exit 1; \
 	done
+
+# The Python package's tests alone. Its extension is the workspace's, from the profile of the other tests.
+python: $(PYTHON_VENV)/ready
+	$(CARGO) build --locked -p ylm-python --lib --examples
+	$(TEST_PYTHON)
 
 lint:
 	$(CARGO) fmt --all --check
@@ -31,7 +38,18 @@ tables: $(VENV)/ready
 	for generator in tools/*.py; do $(VENV)/bin/python $$generator --check || exit 1; done
 
 $(VENV)/ready: tools/requirements.txt
-	rm -rf $(VENV)
-	$(PYTHON) -m venv $(VENV) || { apt-get update -qq && apt-get install -y -qq python3-venv && $(PYTHON) -m venv $(VENV); }
-	$(VENV)/bin/pip install --quiet --requirement tools/requirements.txt
+$(PYTHON_VENV)/ready: python/tests/requirements.txt
+$(VENV)/ready $(PYTHON_VENV)/ready:
+	rm -rf $(@D)
+	$(PYTHON) -m venv $(@D) || { apt-get update -qq && apt-get install -y -qq python3-venv && $(PYTHON) -m venv $(@D); }
+	$(@D)/bin/pip install --quiet --requirement $<
 	touch $@
+
+# The extension that cargo built stands beside the Python files; types are checked, then everything runs.
+define TEST_PYTHON
+	cp $$(ls -t $${CARGO_TARGET_DIR:-target}/debug/lib_native.so $${CARGO_TARGET_DIR:-target}/debug/lib_native.dylib 2>/dev/null | head -1) \
+		python/ylm/_native.abi3.so
+	cd python && .venv/bin/mypy && .venv/bin/python -m mypy.stubtest ylm
+	cd python && .venv/bin/basedpyright --pythonpath .venv/bin/python --level error
+	cd python && .venv/bin/python -m pytest
+endef

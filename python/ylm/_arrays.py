@@ -1,0 +1,63 @@
+"""Leading axes of several arguments, brought to one shape."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+#: An array of float32 or float64.
+Array = NDArray[Any]
+
+
+def real_array(value: ArrayLike) -> Array:
+    """The argument as an array; float32 and float64 as they are, other numbers as float64."""
+    array: Array = np.asarray(value)
+    if array.dtype.kind in "iub":
+        return array.astype(np.float64)
+    return array
+
+
+def broadcast_leading(what: Sequence[str], arrays: Sequence[ArrayLike], own: Sequence[int]) -> list[Array]:
+    """Arrays whose leading axes are broadcast against each other; the last `own` axes of each are left as they are."""
+    given = [np.asarray(array) for array in arrays]
+    for name, array, count in zip(what, given, own):
+        if array.ndim < count:
+            raise ValueError(f"{name} has shape {array.shape}; expected at least {count} axes")
+    batches = [array.shape[: array.ndim - count] for array, count in zip(given, own)]
+    try:
+        batch = np.broadcast_shapes(*batches)
+    except ValueError:
+        axes = ", ".join(f"{name} {shape}" for name, shape in zip(what, batches))
+        raise ValueError(f"leading axes do not go together: {axes}; expected axes that broadcast") from None
+    return [
+        np.broadcast_to(array, batch + array.shape[array.ndim - count :]) for array, count in zip(given, own)
+    ]
+
+
+def resize_bands(coeffs: ArrayLike, bands: int) -> Array:
+    """Coefficients cut to, or filled with zeros up to, a number of bands."""
+    array = real_array(coeffs)
+    count = bands * bands
+    if array.shape[-1] >= count:
+        return array[..., :count]
+    padded = np.zeros(array.shape[:-1] + (count,), array.dtype)
+    padded[..., : array.shape[-1]] = array
+    return padded
+
+
+def band_count(what: str, coeffs: Array) -> int:
+    """n of an array of n² coefficients.
+
+    Raises
+    ------
+    ValueError
+        If the last axis is no square.
+    """
+    count = coeffs.shape[-1] if coeffs.ndim else 0
+    bands = int(round(float(count) ** 0.5))
+    if bands < 1 or bands * bands != count or bands > 256:
+        raise ValueError(f"{what} has shape {coeffs.shape}; expected (..., n²) for n bands, n = 1 to 256")
+    return bands
