@@ -26,7 +26,7 @@ bench:
 
 # The Python package's tests alone. Its extension is the workspace's, from the profile of the other tests.
 python: $(PYTHON_VENV)/ready
-	$(CARGO) build --locked -p ylm-python --lib --examples
+	$(CARGO) build --locked -p ylm-python -p ylm-cli --lib --bins --examples
 	$(TEST_PYTHON)
 
 lint:
@@ -49,7 +49,7 @@ $(VENV)/ready $(PYTHON_VENV)/ready:
 define TEST_PYTHON
 	cp $$(ls -t $${CARGO_TARGET_DIR:-target}/debug/lib_native.so $${CARGO_TARGET_DIR:-target}/debug/lib_native.dylib 2>/dev/null | head -1) \
 		python/ylm/_native.abi3.so
-	cd python && .venv/bin/mypy && .venv/bin/python -m mypy.stubtest ylm
+	cd python && .venv/bin/mypy && .venv/bin/python -m mypy.stubtest ylm._native
 	cd python && .venv/bin/basedpyright --pythonpath .venv/bin/python --level error
 	cd python && .venv/bin/python -m pytest
 endef

@@ -36,7 +36,10 @@ macro_rules! in_precision_of_factors {
 }
 
 /// The shape of all factors, its bands, and their numbers.
-fn same_shapes<'a, T: Number>(factors: &'a [Array<'_, T>]) -> PyResult<(&'a [usize], Bands, Vec<&'a [T]>)> {
+type Factors<'a, T> = (&'a [usize], Bands, Vec<&'a [T]>);
+
+/// Factors, if they are of one shape.
+fn same_shapes<'a, T: Number>(factors: &'a [Array<'_, T>]) -> PyResult<Factors<'a, T>> {
     let Some(first) = factors.first() else {
         return Err(PyValueError::new_err("there are no factors; a product takes 1 to 32"));
     };

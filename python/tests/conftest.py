@@ -25,8 +25,12 @@ def directions(random: np.random.Generator) -> np.ndarray:
     return np.concatenate([drawn, np.eye(3), -np.eye(3)])
 
 
-def shared_data() -> Path | None:
-    """The folder of real meshes and probes, if there is one: YLM_DATA, or ../shared/data beside the checkout."""
+@pytest.fixture
+def shared_data() -> Path:
+    """The folder of real meshes and probes: YLM_DATA, or ../shared/data beside the checkout."""
     named = os.environ.get("YLM_DATA")
     folder = Path(named) if named else Path(__file__).resolve().parents[3] / "shared" / "data"
-    return folder if folder.is_dir() else None
+    if not folder.is_dir():
+        assert os.environ.get("YLM_DATA_REQUIRED") != "1", f"{folder} is not there"
+        pytest.skip("no folder of real data; YLM_DATA names one")
+    return folder

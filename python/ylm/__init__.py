@@ -17,10 +17,13 @@ True
 """
 
 from ylm import zonal
+from ylm._bake import Baked, bake, load
 from ylm._convert import CONVENTIONS, convert
 from ylm._native import Cancelled, FileError, __version__
 from ylm._exponential import exp, log
 from ylm._image import image_texels, project_image
+from ylm._light import Light, develop, light, read_image, save_image, save_light
+from ylm._mesh import Mesh
 from ylm._product import (
     band_energies,
     cap_product,
@@ -47,22 +50,29 @@ from ylm._window import minimum, window, window_weights
 from ylm.zonal import convolve
 
 __all__ = [
+    "Baked",
     "CONVENTIONS",
     "Cancelled",
     "FileError",
+    "Light",
+    "Mesh",
     "Turn",
     "__version__",
+    "bake",
     "band_energies",
     "basis",
     "cap_product",
     "chain_truncation",
     "convert",
     "convolve",
+    "develop",
     "dot",
     "eval",
     "exp",
     "gaunt",
     "image_texels",
+    "light",
+    "load",
     "log",
     "minimum",
     "polygon",
@@ -72,10 +82,13 @@ __all__ = [
     "project",
     "project_image",
     "project_values",
+    "read_image",
     "rotate",
     "rotate_frames",
     "rotate_z",
     "rotation_matrix",
+    "save_image",
+    "save_light",
     "solid_angle",
     "sphere_grid",
     "stratified_samples",

@@ -1,0 +1,85 @@
+"""Gradients through JAX against differences, in double precision."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import ylm
+from ylm import _adjoint
+
+jax = pytest.importorskip("jax")
+ylm_jax = pytest.importorskip("ylm.jax")
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::UserWarning")
+
+
+@pytest.fixture(autouse=True)
+def in_double():
+    with jax.enable_x64(True):
+        yield
+
+
+def check_gradients(function, *arguments):
+    """Compares the backward pass along random directions with central differences."""
+    random = np.random.default_rng(5)
+    cotangent = random.normal(size=np.shape(function(*arguments)))
+    value, backward = jax.vjp(function, *arguments)
+    gradients = backward(jax.numpy.asarray(cotangent))
+    step = 1e-5
+    for index, (argument, gradient) in enumerate(zip(arguments, gradients)):
+        assert gradient.shape == np.shape(argument) and gradient.dtype == value.dtype
+        for _ in range(3):
+            along = random.normal(size=np.shape(argument))
+
+            def shifted(t):
+                moved = [a + t * along if i == index else a for i, a in enumerate(arguments)]
+                return float((np.asarray(function(*moved)) * cotangent).sum())
+
+            expected = (shifted(step) - shifted(-step)) / (2 * step)
+            found = float((np.asarray(gradient) * along).sum())
+            # Central differences: third derivatives times step²/6, and rounding over the step.
+            assert abs(found - expected) <= 1e-6 * max(1.0, abs(expected)) * 10
+
+
+def test_eval_has_gradients_in_coefficients_and_directions(random):
+    check_gradients(ylm_jax.eval, random.normal(size=(2, 16)), random.normal(size=(5, 2, 3)))
+    check_gradients(ylm_jax.eval, random.normal(size=25), random.normal(size=3))
+
+
+def test_products_have_gradients_in_every_factor(random):
+    check_gradients(ylm_jax.product, *random.normal(size=(2, 3, 16)))
+    check_gradients(ylm_jax.product, *random.normal(size=(3, 2, 9)))
+    check_gradients(ylm_jax.product, random.normal(size=(3, 9)), random.normal(size=9))
+
+
+def test_convolutions_have_gradients_in_both(random):
+    check_gradients(ylm_jax.convolve, random.normal(size=(3, 16)), random.normal(size=4))
+    check_gradients(ylm_jax.convolve, random.normal(size=(3, 16)), random.normal(size=(3, 4)))
+
+
+def test_rotations_have_gradients_in_coefficients_and_quaternions(random):
+    check_gradients(ylm_jax.rotate, random.normal(size=(3, 16)), random.normal(size=4))
+    # The matrix itself, whose nearest rotation is taken.
+    check_gradients(ylm_jax.rotate, random.normal(size=(2, 9)), ylm.Turn([1, 2, 3, 4]).as_matrix())
+
+
+def test_values_are_those_of_ylm_and_go_through_jit_and_vmap(random):
+    f, g = random.normal(size=(2, 6, 25))
+    assert np.array_equal(ylm_jax.product(f, g), ylm.product(f, g))
+    assert np.array_equal(jax.jit(ylm_jax.product)(f, g), ylm.product(f, g))
+    each = jax.vmap(ylm_jax.product)(f, g)
+    assert np.abs(np.asarray(each) - ylm.product(f, g)).max() <= 1e-13
+    d = random.normal(size=(4, 3))
+    assert np.array_equal(ylm_jax.eval(f, d), ylm.eval(f, d))
+    assert ylm_jax.eval(f.astype(np.float32), d.astype(np.float32)).dtype == np.float32
+    assert np.array_equal(ylm_jax.rotate(f, [0.1, 0.2, 0.3, 0.4]).shape, f.shape)
+    gradient = jax.jit(jax.grad(lambda c: ylm_jax.eval(c, d).sum()))(f)
+    assert np.abs(np.asarray(gradient) - ylm.basis(d, 5).sum(axis=0)).max() <= 1e-13
+
+
+def test_generators_are_derivatives_of_rotations(random):
+    coeffs = random.normal(size=(2, 25))
+    for axis, found in zip(np.eye(3), _adjoint.generators(coeffs)):
+        turn = ylm.Turn.from_axis_angle(axis, 1e-5)
+        difference = (ylm.rotate(coeffs, turn) - ylm.rotate(coeffs, turn.inverse())) / 2e-5
+        assert np.abs(found - difference).max() <= 1e-7
