@@ -46,5 +46,5 @@ pub mod zonal;
 pub use bands::Bands;
 pub use error::{Error, Result};
 pub use real::Real;
-pub use simd::Level;
+pub use simd::{Level, Operations};
 pub use workspace::Workspace;

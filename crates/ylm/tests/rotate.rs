@@ -357,3 +357,42 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn undo_takes_the_normal_to_z_and_apply_takes_it_back() {
+    let normals = [
+        [0.0f64, 0.0, 1.0],
+        [0.0, 0.0, -2.0],
+        [1.0, 0.0, 0.0],
+        [-0.3, 0.5, -0.8],
+        [1e-9, -1e-9, 1.0],
+        [0.4, 0.4, 0.1],
+    ];
+    for n in [1, 2, 5, 16] {
+        let bands = Bands::new(n).unwrap();
+        let rotation = FrameRotation::<f64>::new(bands);
+        let normals: Vec<[f64; 3]> = (0..20).map(|k| normals[k % 6]).collect();
+        let mut towards = vec![0.0; normals.len() * n * n];
+        basis(&normals, bands, &mut towards).unwrap();
+        let mut north = vec![0.0; n * n];
+        basis_at([0.0, 0.0, 1.0], bands, &mut north).unwrap();
+        let mut local = vec![f64::NAN; towards.len()];
+        rotation.undo(&towards, &normals, &mut local).unwrap();
+        for found in local.chunks(n * n) {
+            for (a, b) in found.iter().zip(&north) {
+                assert!((a - b).abs() <= 1e-12, "{n}: {a} {b}");
+            }
+        }
+        let coeffs: Vec<f64> = (0..towards.len()).map(|i| (i as f64 * 0.7).sin()).collect();
+        let spins = vec![[1.0, 0.0]; normals.len()];
+        let mut world = vec![f64::NAN; coeffs.len()];
+        rotation.apply(&coeffs, &normals, &spins, &mut world).unwrap();
+        rotation.undo(&world, &normals, &mut local).unwrap();
+        for (a, b) in local.iter().zip(&coeffs) {
+            assert!((a - b).abs() <= 1e-12, "{n}: {a} {b}");
+        }
+    }
+    let rotation = FrameRotation::<f64>::new(Bands::new(2).unwrap());
+    assert!(rotation.undo(&[1.0; 4], &[[0.0; 3]], &mut [0.0; 4]).is_err());
+    assert!(rotation.undo(&[1.0; 4], &[[1.0; 3]; 2], &mut [0.0; 4]).is_err());
+}

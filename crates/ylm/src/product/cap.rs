@@ -66,9 +66,8 @@ impl<T: Real> CapProduct<T> {
             let range = "it must be between 0 and π radians";
             return Err(Error::Range { what: "the half angle of a cap", value, range });
         }
-        let (poles, spins): (Vec<_>, Vec<_>) = axes.iter().map(|axis| turn_back(*axis)).unzip();
         let mut local = vec![T::ZERO; coeffs.len()];
-        self.rotation.apply_with(self.level, coeffs, &poles, &spins, &mut local)?;
+        self.rotation.undo_with(self.level, coeffs, axes, &mut local)?;
         for (half_angles, coeffs) in half_angles.chunks(CHUNK).zip(local.chunks_mut(CHUNK * width)) {
             let cut = Cut { product: self, half_angles, coeffs };
             if runs_natively::<T>(self.bands().count()) {
@@ -80,17 +79,6 @@ impl<T: Real> CapProduct<T> {
         let unspun = vec![[T::ONE, T::ZERO]; axes.len()];
         self.rotation.apply_with(self.level, &local, axes, &unspun, out)
     }
-}
-
-/// Normal and spin of the [`FrameRotation`] that undoes the one to `axis`: (Z(φ) Y(θ))⁻¹ = Z(π) Y(θ) Z(−π − φ).
-fn turn_back<T: Real>(axis: [T; 3]) -> ([T; 3], [T; 2]) {
-    let [x, y, z] = axis;
-    let horizontal = x.to_f64().hypot(y.to_f64());
-    // Along z the turn is none, or half a one about y, which undoes itself.
-    if horizontal == 0.0 {
-        return (axis, [T::ONE, T::ZERO]);
-    }
-    ([T::from_f64(-horizontal), T::ZERO, z], [-x, y])
 }
 
 /// Up to [`CHUNK`] functions around their caps' axes, cut in place.

@@ -7,7 +7,7 @@ use crate::error::{Error, Result, check_length};
 use crate::planes::{gather, scatter};
 use crate::real::Real;
 use crate::recurrence::CHUNK;
-use crate::simd::{Kernel, Lanes, Level};
+use crate::simd::{Kernel, Lanes, Level, Operations, count};
 
 /// Rotates many functions from their own frames, with z along a normal, to the world: 16 of them side by side, and no
 /// matrix built for any.
@@ -59,33 +59,100 @@ impl<T: Real> FrameRotation<T> {
         spins: &[[T; 2]],
         out: &mut [T],
     ) -> Result<()> {
-        let width = self.bands().coeff_count();
-        check_length("coeffs", coeffs.len(), normals.len() * width)?;
         check_length("spins", spins.len(), normals.len())?;
+        let items = normals.chunks(CHUNK).zip(spins.chunks(CHUNK)).enumerate();
+        let turns = items.map(|(block, (normals, spins))| Turns::new(normals, Some(spins), block * CHUNK));
+        self.turn_all(level, normals.len(), turns, coeffs, out)
+    }
+
+    /// Brings each function from the world to the frame of its normal: what [`FrameRotation::apply`] without spins undoes.
+    ///
+    /// The frame's x is the meridian's direction downwards, and the world's x where the normal is +z.
+    ///
+    /// Shapes: `coeffs` and `out` [item, n²]; `normals` [item, 3], of any length but zero.
+    ///
+    /// # Errors
+    /// If a length does not fit, or a normal is not finite or zero; `out` is unspecified then.
+    pub fn undo(&self, coeffs: &[T], normals: &[[T; 3]], out: &mut [T]) -> Result<()> {
+        self.undo_with(Level::best(), coeffs, normals, out)
+    }
+
+    /// [`FrameRotation::undo`] with a given instruction set.
+    ///
+    /// # Errors
+    /// As [`FrameRotation::undo`].
+    pub fn undo_with(&self, level: Level, coeffs: &[T], normals: &[[T; 3]], out: &mut [T]) -> Result<()> {
+        let blocks = normals.chunks(CHUNK).enumerate();
+        let turns = blocks.map(|(block, normals)| Ok(Turns::new(normals, None, block * CHUNK)?.inverse()));
+        self.turn_all(level, normals.len(), turns, coeffs, out)
+    }
+
+    fn turn_all(
+        &self,
+        level: Level,
+        count: usize,
+        turns: impl Iterator<Item = Result<Turns<T>>>,
+        coeffs: &[T],
+        out: &mut [T],
+    ) -> Result<()> {
+        let width = self.bands().coeff_count();
+        check_length("coeffs", coeffs.len(), count * width)?;
         check_length("out", out.len(), coeffs.len())?;
         let mut planes = vec![T::ZERO; 2 * width * CHUNK];
         let (current, other) = planes.split_at_mut(width * CHUNK);
-        let items = normals.chunks(CHUNK).zip(spins.chunks(CHUNK)).enumerate();
         let values = coeffs.chunks(CHUNK * width).zip(out.chunks_mut(CHUNK * width));
-        for ((block, (normals, spins)), (coeffs, out)) in items.zip(values) {
-            let turns = Turns::new(normals, spins, block * CHUNK)?;
-            level.run::<T, _>(Apply { rotation: self, turns, coeffs, out, current, other });
+        for (turns, (coeffs, out)) in turns.zip(values) {
+            level.run::<T, _>(Apply { rotation: self, turns: turns?, coeffs, out, current, other });
         }
         Ok(())
     }
+
+    /// Turns the functions of `planes` [coeff, CHUNK]; `other` is as large.
+    #[inline(always)]
+    pub(crate) fn turn_planes<V: Lanes<T>>(&self, turns: &Turns<T>, planes: &mut [T], other: &mut [T]) {
+        let n = self.bands().count();
+        if let Some(turn) = &turns.first {
+            turn_each_about_z::<T, V>(turn, n, planes);
+        }
+        self.quarter.turn::<V>(QuarterTurn::There, planes, other);
+        turn_each_about_z::<T, V>(&turns.middle, n, other);
+        self.quarter.turn::<V>(QuarterTurn::Back, other, planes);
+        if let Some(turn) = &turns.last {
+            turn_each_about_z::<T, V>(turn, n, planes);
+        }
+    }
 }
 
-/// cos and sin of the three turns about z of up to [`CHUNK`] items: spin, θ, φ_n.
-struct Turns<T> {
-    turns: [[[T; CHUNK]; 2]; 3],
+impl FrameRotation<f32> {
+    /// What [`FrameRotation::undo`] takes for one function.
+    pub fn undo_operations(&self) -> Operations {
+        let width = self.bands().coeff_count();
+        let turns = Turns::new(&[[0.6, 0.0, 0.8]; CHUNK], None, 0).expect("normals").inverse();
+        let mut memory = vec![0.0; 4 * width * CHUNK];
+        let (coeffs, rest) = memory.split_at_mut(width * CHUNK);
+        let (out, rest) = rest.split_at_mut(width * CHUNK);
+        let (current, other) = rest.split_at_mut(width * CHUNK);
+        count(Apply { rotation: self, turns, coeffs, out, current, other })
+    }
+}
+
+/// cos and sin of turns by an angle of its own of up to [`CHUNK`] items.
+type Angles<T> = [[T; CHUNK]; 2];
+
+/// Three turns, about z, y and z, of up to [`CHUNK`] items.
+pub(crate) struct Turns<T> {
+    first: Option<Angles<T>>,
+    middle: Angles<T>,
+    last: Option<Angles<T>>,
 }
 
 impl<T: Real> Turns<T> {
-    fn new(normals: &[[T; 3]], spins: &[[T; 2]], first: usize) -> Result<Self> {
+    /// The spin if there is one, θ, φ_n. `first` is the index of the first item, for errors.
+    pub fn new(normals: &[[T; 3]], spins: Option<&[[T; 2]]>, first: usize) -> Result<Self> {
         let mut turns = [[[T::ZERO; CHUNK]; 2]; 3];
-        for (i, (normal, spin)) in normals.iter().zip(spins).enumerate() {
+        for (i, normal) in normals.iter().enumerate() {
             let [x, y, z] = [normal[0].to_f64(), normal[1].to_f64(), normal[2].to_f64()];
-            let [spin_x, spin_y] = [spin[0].to_f64(), spin[1].to_f64()];
+            let [spin_x, spin_y] = spins.map_or([1.0, 0.0], |spins| spins[i].map(T::to_f64));
             // Along z there is no φ_n; 0 is as good as any.
             let azimuth = unit(x, y).unwrap_or([1.0, 0.0]);
             let horizontal = x * azimuth[0] + y * azimuth[1];
@@ -100,7 +167,14 @@ impl<T: Real> Turns<T> {
                 (turn[0][i], turn[1][i]) = (T::from_f64(cos), T::from_f64(sin));
             }
         }
-        Ok(Self { turns })
+        let [spin, middle, azimuth] = turns;
+        Ok(Self { first: spins.map(|_| spin), middle, last: Some(azimuth) })
+    }
+
+    /// The turns back.
+    pub fn inverse(self) -> Self {
+        let back = |[cos, sin]: Angles<T>| [cos, sin.map(|sin| -sin)];
+        Self { first: self.last.map(back), middle: back(self.middle), last: self.first.map(back) }
     }
 }
 
@@ -133,14 +207,9 @@ impl<T: Real> Kernel<T> for Apply<'_, T> {
 
     #[inline(always)]
     fn run<V: Lanes<T>>(self) {
-        let n = self.rotation.bands().count();
-        let [spin, polar, azimuth] = &self.turns.turns;
-        gather::<T, V>(self.coeffs, n * n, self.current);
-        turn_each_about_z::<T, V>(spin, n, self.current);
-        self.rotation.quarter.turn::<V>(QuarterTurn::There, self.current, self.other);
-        turn_each_about_z::<T, V>(polar, n, self.other);
-        self.rotation.quarter.turn::<V>(QuarterTurn::Back, self.other, self.current);
-        turn_each_about_z::<T, V>(azimuth, n, self.current);
-        scatter::<T, V>(self.current, n * n, self.out);
+        let width = self.rotation.bands().coeff_count();
+        gather::<T, V>(self.coeffs, width, self.current);
+        self.rotation.turn_planes::<V>(&self.turns, self.current, self.other);
+        scatter::<T, V>(self.current, width, self.out);
     }
 }

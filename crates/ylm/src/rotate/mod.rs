@@ -19,6 +19,7 @@ mod z;
 
 pub use bandwise::Rotation;
 pub use frame::FrameRotation;
+pub(crate) use frame::Turns;
 pub use quarter::QuarterTurns;
 pub use turn::{EulerOrder, Turn};
 pub use z::{rotate_z, rotate_z_with};

@@ -9,6 +9,7 @@
 //! [`Level::Portable`] only ever comes from detection. That is what makes the safe methods of [`Lanes`] sound; the
 //! module is private to the crate for the same reason.
 
+mod counted;
 mod portable;
 
 #[cfg(target_arch = "aarch64")]
@@ -21,6 +22,8 @@ mod x86;
 use std::ops::{Add, Mul, Sub};
 
 use crate::Real;
+
+pub use counted::{Operations, count};
 
 /// The most numbers that any vector has; every vector's count divides it.
 pub const MAX_COUNT: usize = 16;
