@@ -191,3 +191,47 @@ proptest! {
         prop_assert!((eval(&irradiance, direction).unwrap() - dot).abs() <= 1e-13 * (n * n) as f64);
     }
 }
+
+#[test]
+fn henyey_greenstein_is_its_projection() {
+    for g in [-0.6, 0.0, 0.3, 0.75] {
+        let bands = Bands::new(12).unwrap();
+        let found = Zonal::<f64>::henyey_greenstein(g, bands).unwrap();
+        let (nodes, weights) = gauss_legendre(200);
+        let mut expected = vec![0.0; 12];
+        let mut row = vec![0.0; 12];
+        for (x, weight) in nodes.iter().zip(weights) {
+            legendre::row(0, 12, *x, (1.0 - x * x).sqrt(), &mut row);
+            let value = (1.0 - g * g) / (4.0 * PI) / (1.0 + g * g - 2.0 * g * x).powf(1.5);
+            expected.iter_mut().zip(&row).for_each(|(sum, p)| *sum += 2.0 * PI * weight * value * p);
+        }
+        for (a, b) in found.coeffs().iter().zip(&expected) {
+            assert!((a - b).abs() <= 1e-13, "{g}: {a} {b}");
+        }
+    }
+    for g in [-1.0, 1.0, f64::NAN] {
+        assert!(Zonal::<f64>::henyey_greenstein(g, Bands::new(2).unwrap()).is_err());
+    }
+}
+
+#[test]
+fn a_table_of_a_straight_function_is_that_function() {
+    // max(0, cos θ) is straight between −1, 0 and 1; so it is with an entry in between.
+    let bands = Bands::new(21).unwrap();
+    let expected = Zonal::<f64>::clamped_cosine(bands);
+    for table in [&[[0.0, 0.0], [1.0, 1.0]][..], &[[-1.0, 0.0], [0.0, 0.0], [0.3, 0.3], [1.0, 1.0]]] {
+        let found = Zonal::<f64>::tabulated(table, bands).unwrap();
+        for (a, b) in found.coeffs().iter().zip(expected.coeffs()) {
+            assert!((a - b).abs() <= 1e-14, "{a} {b}");
+        }
+    }
+    for wrong in [
+        &[[0.0, 1.0]][..],
+        &[[0.0, 1.0], [0.0, 2.0]],
+        &[[-1.1, 1.0], [1.0, 1.0]],
+        &[[0.0, 1.0], [1.0, f64::NAN]],
+        &[[f64::NAN, 1.0], [1.0, 1.0]],
+    ] {
+        assert!(Zonal::<f64>::tabulated(wrong, bands).is_err(), "{wrong:?}");
+    }
+}
