@@ -17,6 +17,8 @@ mod lee_table1;
 mod lee_table2;
 mod local_light;
 mod machine;
+mod mezieres_fig2;
+mod mezieres_table2;
 mod plan;
 mod products;
 mod proxy_shadow;
@@ -62,6 +64,8 @@ const BENCHES: &[Bench] = &[
     ("proxy-shadow", proxy_shadow::run),
     ("rotate", rotate::run),
     ("plan", plan::run),
+    ("mezieres-fig2", mezieres_fig2::run),
+    ("mezieres-table2", mezieres_table2::run),
     ("xin-fig3", xin_fig3::run),
     ("xin-fig4", xin_fig4::run),
     ("xin-table1", xin_table1::run),

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use super::fourier::{Fourier, FourierWorkspace};
 use super::pairs::Pairs;
-use super::{gaunt, grid, matrix, unrolled, zonal};
+use super::{axial, gaunt, grid, matrix, turned, unrolled, zonal};
 use crate::error::Result;
 use crate::{Bands, Level};
 
@@ -18,6 +18,10 @@ pub trait ProductKernels: Sized {
     fn run_gaunt(level: Level, batch: Pairs<'_, Self, gaunt::Tensor<Self>>);
     /// Products of a batch with a zonal function.
     fn run_zonal(level: Level, batch: zonal::ZonalBatch<'_, Self>);
+    /// Up to 16 products with functions around axes.
+    fn run_axial(level: Level, batch: axial::Batch<'_, Self>);
+    /// Products of a batch with a kernel turned to directions.
+    fn run_turned(level: Level, batch: Pairs<'_, Self, turned::Tensor<Self>>);
     /// A product matrix applied to a batch.
     fn run_matrix(level: Level, batch: matrix::Apply<'_, Self>);
     /// A block of a product matrix applied to one vector.
@@ -43,6 +47,12 @@ macro_rules! impl_kernels {
                 level.run(batch);
             }
             fn run_zonal(level: Level, batch: zonal::ZonalBatch<'_, Self>) {
+                level.run(batch);
+            }
+            fn run_axial(level: Level, batch: axial::Batch<'_, Self>) {
+                level.run(batch);
+            }
+            fn run_turned(level: Level, batch: Pairs<'_, Self, turned::Tensor<Self>>) {
                 level.run(batch);
             }
             fn run_matrix(level: Level, batch: matrix::Apply<'_, Self>) {

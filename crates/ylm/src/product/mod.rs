@@ -11,14 +11,19 @@
 //! | [`chain`] | any triple product, again and again | – | the usual approximation of many factors, with its error |
 //! | [`zonal`] | values on one meridian | O(n³), no Fourier sums | a zonal factor |
 //! | [`cap`] | values on rings of a cap | O(n³) | a factor that is 1 within an angle and 0 elsewhere, with all of its bands |
+//! | [`axial`] | SH, a matrix for each order | O(n³), half of [`zonal`] or less | a zonal factor with all of its bands, many functions |
+//! | [`clamped_cosine`] | the same | O(n³) | the clamped cosine, and the diffuse part of a product |
+//! | [`turned`] | SH, sparse tensor with the kernel in it | O(n⁵), O(n³) for few bands of the kernel | as published in [MP21] |
 //! | [`matrix`] | the factor as a matrix | O(n⁴) a row | the matrix itself |
 //!
 //! Rows never meet, by any method: a NaN, an infinity or an overflow stays in its row, and shows in at least one coefficient there.
 //! In a factor that all rows share it reaches all of them.
 
+pub mod axial;
 pub(crate) mod cache;
 pub mod cap;
 pub mod chain;
+pub mod clamped_cosine;
 pub mod fourier;
 pub mod gaunt;
 pub mod grid;
@@ -33,6 +38,7 @@ pub mod plan;
 mod straight;
 #[cfg(test)]
 mod tests;
+pub mod turned;
 pub mod unrolled;
 pub mod zonal;
 

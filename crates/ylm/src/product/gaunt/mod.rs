@@ -12,8 +12,8 @@ use super::cache::shared;
 use super::limits::checked_bands;
 use super::pairs::{Pairs, Pairwise};
 use crate::error::{Result, check_length};
-use crate::simd::Lanes;
-use crate::{Bands, Level, Real, Workspace};
+use crate::simd::{Lanes, count};
+use crate::{Bands, Level, Operations, Real, Workspace};
 
 pub use brute_force::BruteForce;
 pub use coefficients::{sorted_triples, tripling, wigner_3j};
@@ -163,6 +163,21 @@ impl<T: Real> Gaunt<T> {
     ) -> Result<()> {
         T::run_gaunt(level, Pairs::new(&*self.tensor, a, b, out, workspace)?);
         Ok(())
+    }
+}
+
+impl Gaunt<f32> {
+    /// What [`Gaunt::product`] takes: as its terms are.
+    pub fn operations(&self) -> Operations {
+        let terms = self.term_count() as u64;
+        Operations { multiplications: 2 * terms, additions: terms }
+    }
+
+    /// What [`Gaunt::product_batch`] takes for a row, counted.
+    pub fn batch_operations(&self) -> Operations {
+        let rows = vec![0.0; 16 * self.tensor.bands * self.tensor.bands];
+        let (mut out, mut workspace) = (rows.clone(), Workspace::new());
+        count(Pairs::new(&*self.tensor, &rows, &rows, &mut out, &mut workspace).expect("whole rows"))
     }
 }
 
