@@ -279,7 +279,10 @@ class Baked:
         }
 
     def save(self, path: Path, half: bool = False) -> None:
-        """Writes the scene as safetensors; with `half`, transfer in 16 bits. A file is replaced only by a whole one."""
+        """Writes the scene as safetensors; with `half`, transfer in 16 bits. A file is replaced only by a whole one.
+
+        The bytes are those that ``ylm bake`` writes of the same models and options; `load` has an example.
+        """
         self._baked.save(os.fspath(path), half)
 
     def only_bounce(self, bounce: int) -> Baked:
@@ -305,6 +308,14 @@ class Baked:
         Notes
         -----
         One dot product a point and channel, on all cores. Error: n**2 roundings of float32. Source: Green 2003.
+
+        Examples
+        --------
+        >>> import numpy as np, ylm
+        >>> baked = ylm.bake(ylm.Mesh.demo("room"), bands=3, transfer="unshadowed")
+        >>> day = np.stack([ylm.light(f"sky:clear?sun={e},180", 3) for e in (10, 40, 70)])
+        >>> baked.shade(day).shape == (3, len(baked.positions), 3)
+        True
         """
         if isinstance(light, str):
             light = Light(light)
@@ -344,6 +355,13 @@ class Baked:
         Notes
         -----
         Up to 64 bands. Error: 2e-6 of the largest radiance. Source: Lee & Kim 2014, Eq. 4-6.
+
+        Examples
+        --------
+        >>> import ylm
+        >>> baked = ylm.bake(ylm.Mesh.demo("room"), bands=4, transfer="unshadowed")
+        >>> baked.shade_glossy("sky:overcast", baked.eye(), shininess=40).dtype
+        dtype('float32')
         """
         if isinstance(light, str):
             light = Light(light)

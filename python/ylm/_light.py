@@ -77,7 +77,12 @@ class Light:
         return self._light.project(bands, _triple(point))
 
     def radiance(self, directions: ArrayLike, point: ArrayLike = (0, 0, 0)) -> Array:
-        """The radiance that arrives at a point from directions, shape (..., 3): float32, shape (..., 3)."""
+        """The radiance that arrives at a point from directions, shape (..., 3): float32, shape (..., 3).
+
+        >>> import ylm
+        >>> ylm.Light("disc?dir=0,1,0&angle=10").radiance([[0, 1, 0], [0, 0, 1]]).tolist()
+        [[1.0, 1.0, 1.0], [0.0, 0.0, 0.0]]
+        """
         return self._light.radiance(directions, _triple(point))
 
     def rotated(self, rotation: Any) -> Light:

@@ -49,13 +49,23 @@ class Turn:
 
     @classmethod
     def from_axis_angle(cls, axis: ArrayLike, angle: float) -> Turn:
-        """By `angle` radians about an axis, shape (3,), of any length but zero."""
+        """By `angle` radians about an axis, shape (3,), of any length but zero.
+
+        >>> import numpy as np, ylm
+        >>> ylm.Turn.from_axis_angle([0, 0, 2], np.pi / 2).apply([1, 0, 0]).round(12)
+        array([0., 1., 0.])
+        """
         x, y, z = np.asarray(axis, np.float64)
         return cls._of(_native.Turn.from_axis_angle((x, y, z), angle))
 
     @classmethod
     def from_euler(cls, order: str, angles: ArrayLike) -> Turn:
-        """By three turns about axes that turn along: order "xyz", "zyz" and so on, each as the turns before left them."""
+        """By three turns about axes that turn along: order "xyz", "zyz" and so on, each as the turns before left them.
+
+        >>> import numpy as np, ylm
+        >>> ylm.Turn.from_euler("zyx", [0.1, 0.2, 0.3]).as_euler("zyx").round(12)
+        array([0.1, 0.2, 0.3])
+        """
         a, b, c = np.asarray(angles, np.float64)
         return cls._of(_native.Turn.from_euler(order, (a, b, c)))
 
@@ -80,7 +90,13 @@ class Turn:
         return Turn._of(self._turn.inverse())
 
     def apply(self, directions: ArrayLike) -> Array:
-        """Where directions, shape (..., 3), are turned to."""
+        """Where directions, shape (..., 3), are turned to.
+
+        >>> import ylm
+        >>> ylm.Turn([0, 1, 0, 1]).apply([[0, 0, 1], [0, 1, 0]]).round(12)
+        array([[1., 0., 0.],
+               [0., 1., 0.]])
+        """
         return self._turn.apply(directions)
 
     def __matmul__(self, first: Turn) -> Turn:

@@ -13,15 +13,19 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(_variable, "1")
+import numpy as np
 
-import numpy as np  # noqa: E402
-
-import ylm  # noqa: E402
+import ylm
 
 #: Rows of a batch.
 ROWS = 4096
+#: What holds the libraries to one thread; they look when they are first imported.
+ONE_THREAD = {
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "XLA_FLAGS": "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1",
+}
 
 
 def best_seconds(call: Callable[[], Any], repeats: int = 7, least: float = 0.02) -> float:
@@ -211,6 +215,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m ylm.bench", description=__doc__)
     parser.add_argument("-o", "--output", help="Markdown file to write")
     arguments = parser.parse_args()
+    if any(os.environ.get(name) != value for name, value in ONE_THREAD.items()):
+        # numpy is imported by now, and has its threads.
+        again = [sys.executable, "-m", "ylm.bench", *sys.argv[1:]]
+        os.execve(sys.executable, again, {**os.environ, **ONE_THREAD})
     sections = [
         ("Products", "µs a product of two functions of n bands to n bands, float32, 4096 at once, one thread.", products),
         ("Basis", "ns a direction, all n² harmonics, float32, 4096 directions at once, one thread.", bases),

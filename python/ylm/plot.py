@@ -130,7 +130,7 @@ def mesh(baked: ylm.Baked, radiance: ArrayLike | None = None, axes: Any = None, 
 
     Notes
     -----
-    The brightest hundredth of the points is white; magenta where a channel is negative.
+    The brightest hundredth of the points that send out no light of their own is white; magenta where a channel is negative.
 
     Examples
     --------
@@ -140,7 +140,8 @@ def mesh(baked: ylm.Baked, radiance: ArrayLike | None = None, axes: Any = None, 
     'unshadowed, 3 bands'
     """
     shown = np.asarray(baked.shade("sky:overcast") if radiance is None else radiance)
-    white = max(float(np.percentile(shown, 99)), _LEAST)
+    lamps = np.zeros(len(shown), bool) if baked.emission is None else (baked.emission > 0).any(axis=1)
+    white = max(float(np.percentile(shown[~lamps] if not lamps.all() else shown, 99)), _LEAST)
     negative = (shown < 0).any(axis=1)
     coloured = np.clip(shown / white, 0, 1)
     coloured[negative] = (1, 0, 1)
