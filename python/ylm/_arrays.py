@@ -12,6 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[Any]
 
 
+def counted(what: str, value: int, least: int = 0) -> int:
+    """A whole number that is not below `least`; what it may be at most, the kernels know."""
+    if value < least:
+        raise ValueError(f"{what} is {value}; it must be at least {least}")
+    return value
+
+
 def real_array(value: ArrayLike) -> Array:
     """The argument as an array; float32 and float64 as they are, other numbers as float64."""
     array: Array = np.asarray(value)

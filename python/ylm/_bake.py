@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ylm import _native
-from ylm._arrays import Array
+from ylm._arrays import Array, counted
 from ylm._light import Light
 from ylm._mesh import Mesh
 
@@ -117,7 +117,7 @@ def bake(
         if not 0 <= value < most:
             raise ValueError(f"{name} is {value}; expected 0 to {most - 1}")
     settings = {
-        "bands": bands,
+        "bands": counted("bands", bands, 1),
         "transfer": transfer,
         "rays": rays,
         "seed": seed,

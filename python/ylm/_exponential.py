@@ -5,7 +5,7 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from ylm import _native
-from ylm._arrays import Array
+from ylm._arrays import Array, counted
 
 
 def exp(coeffs: ArrayLike, degree: int = 4, squarings: int = 3) -> Array:
@@ -38,7 +38,7 @@ def exp(coeffs: ArrayLike, degree: int = 4, squarings: int = 3) -> Array:
     >>> bool(np.linalg.norm(ylm.exp(f) - exact) < 0.01 * np.linalg.norm(exact))
     True
     """
-    return _native.exp(coeffs, degree, squarings)
+    return _native.exp(coeffs, counted("degree", degree), counted("squarings", squarings))
 
 
 def log(coeffs: ArrayLike, floor: float = 1e-3, linear: bool = False) -> Array:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ylm import _native
-from ylm._arrays import Array
+from ylm._arrays import Array, counted
 
 
 def project_image(pixels: ArrayLike, bands: int, layout: str | None = None) -> Array:
@@ -42,8 +42,8 @@ def project_image(pixels: ArrayLike, bands: int, layout: str | None = None) -> A
     """
     pixels = np.asarray(pixels)
     if pixels.ndim == 2:
-        return np.array(_native.project_image(np.repeat(pixels[:, :, None], 3, axis=2), bands, layout)[0])
-    return _native.project_image(pixels, bands, layout)
+        return np.array(_native.project_image(np.repeat(pixels[:, :, None], 3, axis=2), counted("bands", bands, 1), layout)[0])
+    return _native.project_image(pixels, counted("bands", bands, 1), layout)
 
 
 def image_texels(height: int, width: int, layout: str | None = None) -> tuple[Array, Array]:
@@ -76,4 +76,4 @@ def image_texels(height: int, width: int, layout: str | None = None) -> tuple[Ar
     >>> picture.shape, round(float(solid_angles.sum() / np.pi), 9)
     ((32, 64), 4.0)
     """
-    return _native.image_texels(height, width, layout)
+    return _native.image_texels(counted("height", height, 1), counted("width", width, 1), layout)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ylm import _native
-from ylm._arrays import Array
+from ylm._arrays import Array, counted
 from ylm._rotate import Turn
 
 Path = str | os.PathLike[str]
@@ -74,7 +74,7 @@ class Light:
 
     def project(self, bands: int, point: ArrayLike = (0, 0, 0)) -> Array:
         """Coefficients of radiance as a point of the world sees it, were nothing between: float32, shape (3, n**2)."""
-        return self._light.project(bands, _triple(point))
+        return self._light.project(counted("bands", bands, 1), _triple(point))
 
     def radiance(self, directions: ArrayLike, point: ArrayLike = (0, 0, 0)) -> Array:
         """The radiance that arrives at a point from directions, shape (..., 3): float32, shape (..., 3).

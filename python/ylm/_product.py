@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ylm import _native
-from ylm._arrays import Array, band_count, broadcast_leading, real_array, resize_bands
+from ylm._arrays import Array, band_count, broadcast_leading, counted, real_array, resize_bands
 
 
 def product(*factors: ArrayLike, bands: int | None = None, method: str = "auto") -> Array:
@@ -49,6 +49,8 @@ def product(*factors: ArrayLike, bands: int | None = None, method: str = "auto")
             factors = _aligned(factors)
             shape = np.shape(factors[0]) if factors else None
             break
+    if bands is not None:
+        counted("bands", bands, 1)
     if bands is None or shape is None or bands * bands == shape[-1]:
         return _native.product(factors, method)
     widest = max(bands, band_count("a factor", np.asarray(factors[0])))
@@ -245,7 +247,7 @@ def gaunt(bands: int) -> tuple[Array, Array]:
     >>> bool(np.allclose(by_tensor, ylm.product(f, g)))
     True
     """
-    return _native.gaunt(bands)
+    return _native.gaunt(counted("bands", bands, 1))
 
 
 def tripling_coefficient(i: int, j: int, k: int) -> float:
@@ -265,4 +267,6 @@ def tripling_coefficient(i: int, j: int, k: int) -> float:
     >>> round(ylm.tripling_coefficient(0, 2, 2), 6)
     0.282095
     """
+    least = min(i, j, k)
+    counted("an index", least)
     return _native.tripling_coefficient(i, j, k)

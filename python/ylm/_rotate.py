@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ylm import _native
-from ylm._arrays import Array, broadcast_leading
+from ylm._arrays import Array, broadcast_leading, counted
 
 
 class Turn:
@@ -232,4 +232,4 @@ def rotation_matrix(rotation: Any, bands: int) -> Array:
     >>> bool(np.allclose(matrix @ matrix.T, np.eye(25)))
     True
     """
-    return _native.rotation_matrix(native_rotation(rotation), bands)
+    return _native.rotation_matrix(native_rotation(rotation), counted("bands", bands, 1))

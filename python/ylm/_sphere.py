@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ylm import _native
-from ylm._arrays import Array, broadcast_leading
+from ylm._arrays import Array, broadcast_leading, counted
 
 
 def basis(directions: ArrayLike, bands: int) -> Array:
@@ -38,7 +38,7 @@ def basis(directions: ArrayLike, bands: int) -> Array:
     >>> ylm.basis([0, 0, 1], bands=2).round(4)
     array([ 0.2821, -0.    ,  0.4886, -0.    ])
     """
-    return _native.basis(directions, bands)
+    return _native.basis(directions, counted("bands", bands, 1))
 
 
 def eval(coeffs: ArrayLike, directions: ArrayLike) -> Array:  # noqa: A001
@@ -131,9 +131,9 @@ def project(function: Callable[[Array], ArrayLike], bands: int, degree: int | No
     True
     """
     if degree is None:
-        degree = 2 * (bands - 1)
-    directions, _ = _native.sphere_grid(degree)
-    return _native.project_grid(function(directions), degree, bands)
+        degree = 2 * (counted("bands", bands, 1) - 1)
+    directions, _ = _native.sphere_grid(counted("degree", degree))
+    return _native.project_grid(function(directions), degree, counted("bands", bands, 1))
 
 
 def project_values(values: ArrayLike, directions: ArrayLike, bands: int) -> Array:
@@ -166,7 +166,7 @@ def project_values(values: ArrayLike, directions: ArrayLike, bands: int) -> Arra
     >>> bool(np.abs(estimate - exact).max() < 1e-2)
     True
     """
-    return _native.project_values(values, directions, bands)
+    return _native.project_values(values, directions, counted("bands", bands, 1))
 
 
 def sphere_grid(degree: int) -> tuple[Array, Array]:
@@ -195,7 +195,7 @@ def sphere_grid(degree: int) -> tuple[Array, Array]:
     >>> float((directions[:, 0] ** 2 @ weights).round(9))       # 4 pi / 3
     4.188790205
     """
-    return _native.sphere_grid(degree)
+    return _native.sphere_grid(counted("degree", degree))
 
 
 def stratified_samples(side: int, seed: int = 0) -> Array:
@@ -222,7 +222,7 @@ def stratified_samples(side: int, seed: int = 0) -> Array:
     >>> ylm.stratified_samples(10).shape
     (100, 3)
     """
-    return _native.stratified_samples(side, seed)
+    return _native.stratified_samples(counted("side", side, 1), counted("seed", seed))
 
 
 def polygon(corners: ArrayLike, bands: int) -> Array:
@@ -251,7 +251,7 @@ def polygon(corners: ArrayLike, bands: int) -> Array:
     >>> round(float(octant[0] * np.sqrt(4 * np.pi)), 6)         # an eighth of 4 pi
     1.570796
     """
-    return _native.polygon(corners, bands)
+    return _native.polygon(corners, counted("bands", bands, 1))
 
 
 def solid_angle(corners: ArrayLike) -> float:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from numpy.typing import ArrayLike
 
 from ylm import _native
-from ylm._arrays import Array
+from ylm._arrays import Array, counted
 
 
 def window(coeffs: ArrayLike, kind: str, width: float | None = None) -> Array:
@@ -69,7 +69,7 @@ def window_weights(kind: str, width: float, bands: int) -> Array:
     >>> ylm.window_weights("hann", 4, bands=5).round(4)
     array([1.    , 0.8536, 0.5   , 0.1464, 0.    ])
     """
-    return _native.window_weights(kind, width, bands)
+    return _native.window_weights(kind, width, counted("bands", bands, 1))
 
 
 class Minimum(NamedTuple):

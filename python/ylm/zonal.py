@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ylm import _native
-from ylm._arrays import Array, broadcast_leading
+from ylm._arrays import Array, broadcast_leading, counted
 
 __all__ = ["clamped_cosine", "convolve", "directional", "disc", "phong", "product", "rotate"]
 
@@ -39,7 +39,7 @@ def clamped_cosine(bands: int) -> Array:
     >>> ylm.zonal.clamped_cosine(4).round(4)
     array([0.8862, 1.0233, 0.4954, 0.    ])
     """
-    return _native.zonal("clamped_cosine", 0.0, bands)
+    return _native.zonal("clamped_cosine", 0.0, counted("bands", bands, 1))
 
 
 def disc(half_angle: float, bands: int) -> Array:
@@ -59,7 +59,7 @@ def disc(half_angle: float, bands: int) -> Array:
     >>> float((ylm.zonal.disc(np.pi, 2)[0] / np.sqrt(4 * np.pi)).round(12))     # the whole sphere
     1.0
     """
-    return _native.zonal("disc", half_angle, bands)
+    return _native.zonal("disc", half_angle, counted("bands", bands, 1))
 
 
 def phong(shininess: float, bands: int) -> Array:
@@ -79,7 +79,7 @@ def phong(shininess: float, bands: int) -> Array:
     >>> bool(np.allclose(ylm.zonal.phong(1, 8), ylm.zonal.clamped_cosine(8)))
     True
     """
-    return _native.zonal("phong", shininess, bands)
+    return _native.zonal("phong", shininess, counted("bands", bands, 1))
 
 
 def directional(bands: int) -> Array:
@@ -99,7 +99,7 @@ def directional(bands: int) -> Array:
     >>> ylm.convolve([1, 2, 3, 4], ylm.zonal.directional(2)).round(12)
     array([1., 2., 3., 4.])
     """
-    return _native.zonal("directional", 0.0, bands)
+    return _native.zonal("directional", 0.0, counted("bands", bands, 1))
 
 
 def rotate(zonal: ArrayLike, directions: ArrayLike) -> Array:
