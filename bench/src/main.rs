@@ -24,12 +24,14 @@ mod products;
 mod proxy_shadow;
 mod rotate;
 mod scene;
+mod shapes;
 mod table;
 mod timing;
 mod xin_fig3;
 mod xin_fig4;
 mod xin_fig5;
 mod xin_table1;
+mod xin_table2;
 
 use table::Table;
 
@@ -69,6 +71,7 @@ const BENCHES: &[Bench] = &[
     ("xin-fig3", xin_fig3::run),
     ("xin-fig4", xin_fig4::run),
     ("xin-table1", xin_table1::run),
+    ("xin-table2", xin_table2::run),
     ("xin-fig5", xin_fig5::run),
 ];
 

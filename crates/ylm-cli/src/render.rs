@@ -1,5 +1,6 @@
 //! `ylm render`: a baked scene under a light, as a picture.
 
+mod brdf;
 mod moving;
 
 use std::path::{Path, PathBuf};
@@ -32,6 +33,7 @@ use crate::shading::{self, Shaded};
 use crate::spin::{self, Measures, Turn};
 use crate::view::{self, Shading, ViewOptions};
 use crate::window::WindowChoice;
+use brdf::{BrdfOptions, Material};
 use moving::MovingOptions;
 
 /// Draw a baked scene under a light, or a scene of moving objects
@@ -61,6 +63,8 @@ pub struct Arguments {
     /// Use the light's first N bands only; with --shading reference, light by what they hold
     #[arg(long, value_parser = options::bands, value_name = "N")]
     light_bands: Option<Bands>,
+    #[command(flatten)]
+    brdf: BrdfOptions,
     #[command(flatten)]
     moving: MovingOptions,
     #[command(flatten)]
@@ -106,6 +110,13 @@ impl Arguments {
     /// The line that says so.
     pub fn check(&self) -> Result<(), String> {
         self.check_moving()?;
+        self.brdf.check(self.shading, self.is_moving())?;
+        if self.brdf.is_given() && (self.balls.shadow().is_some() || self.light_bands.is_some()) {
+            return Err("--brdf goes with neither --ball nor --light-bands".to_owned());
+        }
+        if self.brdf.is_given() && self.options.window() == WindowChoice::AutoPoints {
+            return Err("--window auto:points looks at diffuse shading; give auto or a width".to_owned());
+        }
         if options::has_extension(&self.output, "exr") && self.tonemap != ToneMap::None {
             return Err("--tonemap is for .png; an .exr holds linear radiance".to_owned());
         }
@@ -177,8 +188,17 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     let exposure = arguments.exposure.stops(light.project_at(middle, Bands::new(1)?)?.mean_radiance());
     let ordered = arguments.shading.is_adaptive().then(|| AdaptiveScene::new(&baked));
     let window = choose_window(arguments, &baked, &light)?;
-    let mut scene =
-        Scene { arguments, baked: &baked, stage: &stage, window, ordered: None, raster, exposure };
+    let material = arguments.brdf.material(&baked, arguments.shading)?;
+    let mut scene = Scene {
+        arguments,
+        baked: &baked,
+        stage: &stage,
+        window,
+        material: material.as_ref(),
+        ordered: None,
+        raster,
+        exposure,
+    };
     if let Some(ordered) = &ordered {
         let coeffs = scene.light_coeffs(&light)?;
         let settings = arguments.gloss.settings_in(ordered, &coeffs, camera.eye(), exposure)?;
@@ -213,7 +233,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         "bands": baked.transfer.bands.count(), "light_bands": arguments.light_bands.map(Bands::count),
         "band": arguments.view.band(), "bounce": arguments.view.bounce(), "scale": view::scale_value(drawn.colours), "near": arguments.near.json(&light),
         "balls": arguments.balls.json(), "window": choice.value(window),
-        "material": arguments.gloss.value(arguments.shading), "regions": drawn.regions, "spin": measures.map(|measures| measures.value()),
+        "material": arguments.gloss.value(arguments.shading), "brdf": arguments.brdf.value(material.as_ref()), "regions": drawn.regions, "spin": measures.map(|measures| measures.value()),
         "points": drawn.shaded.radiance.len(), "radiance": drawn.shaded.statistics(), "noise": drawn.shaded.noise,
         "shade_seconds": drawn.shade_seconds, "render_seconds": drawn.render_seconds, "seconds": start.elapsed().as_secs_f64(),
     });
@@ -229,6 +249,8 @@ struct Scene<'a> {
     stage: &'a Stage,
     /// That the light is damped by.
     window: Option<Window>,
+    /// Of `--brdf`.
+    material: Option<&'a Material>,
     /// For adaptive shading.
     ordered: Option<Ordered<'a>>,
     raster: Raster,
@@ -259,6 +281,10 @@ impl Scene<'_> {
         let Self { arguments, baked, stage, window, raster, exposure, .. } = *self;
         let shade_start = Instant::now();
         let (shaded, regions) = match arguments.shading.is_glossy() {
+            _ if let Some(material) = self.material => {
+                let eye = camera.eye();
+                (material.shade(arguments, baked, &stage.bvh, light, window, eye)?, Value::Null)
+            }
             true => self.shade_glossy(light, camera.eye())?,
             false => (shade(arguments, baked, light, stage, window)?, Value::Null),
         };

@@ -34,7 +34,7 @@ pub struct MovingOptions {
     /// The second of a scene's animation that a single picture shows
     #[arg(long, value_parser = options::not_negative, value_name = "S", conflicts_with = "frames")]
     time: Option<f32>,
-    /// Damp each point's visibility in a scene after the products, against ringing: hann:W, lanczos:W, gauss:W, laplacian:LAMBDA or
+    /// Damp each point's visibility in a scene, or with --brdf its product with the light, against ringing: hann:W, lanczos:W, gauss:W, laplacian:LAMBDA or
     /// poisson:R
     #[arg(long, value_parser = product_window, value_name = "WINDOW")]
     product_window: Option<Window>,
@@ -49,6 +49,13 @@ fn product_window(text: &str) -> std::result::Result<Window, String> {
         _ => {
             Err("must be hann:W, lanczos:W, gauss:W, laplacian:LAMBDA or poisson:R, as in hann:12".to_owned())
         }
+    }
+}
+
+impl MovingOptions {
+    /// `--product-window`.
+    pub fn product_window(&self) -> Option<Window> {
+        self.product_window
     }
 }
 
@@ -72,10 +79,11 @@ impl Arguments {
             let of_scenes = [
                 ("--frames", frames.is_some()),
                 ("--time", time.is_some()),
-                ("--product-window", product_window.is_some()),
+                ("--product-window", product_window.is_some() && !self.brdf.is_given()),
             ];
             if let Some((name, _)) = of_scenes.iter().find(|(_, given)| *given) {
-                return refuse(format!("{name} is for the .json of a scene of moving objects"));
+                let brdf = if *name == "--product-window" { ", and for --brdf" } else { "" };
+                return refuse(format!("{name} is for the .json of a scene of moving objects{brdf}"));
             }
             if self.shading.is_of_fields() {
                 return refuse(format!(

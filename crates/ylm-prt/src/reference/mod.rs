@@ -2,12 +2,14 @@
 //!
 //! It shares nothing with the mathematics and the bake that it judges: neither expansion, nor transfer, nor samples.
 
+mod brdf;
 mod irradiance;
 mod near;
 mod paths;
 mod samples;
 mod specular;
 
+pub use brdf::reflected;
 pub use irradiance::{DirectionSampler, Irradiance, Occlusion, Settings, irradiance, irradiance_of};
 pub use paths::{bounced_irradiance, bounced_irradiance_of};
 pub use specular::{PhongLobe, specular, specular_of};

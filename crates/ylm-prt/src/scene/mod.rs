@@ -3,6 +3,7 @@
 mod ball;
 mod beside;
 pub mod blockers;
+pub mod brdf;
 pub mod bvh;
 pub mod camera;
 pub mod demo;

@@ -6,6 +6,7 @@
 //! | [`shade_diffuse_under`] | another at each point: [`Incident`] | the same, and what the light costs |
 //! | [`shade_monochrome`] | one, from far away; bounced light without its colours | 3n² multiply-adds; n² where it has one colour |
 //! | [`shade_glossy`] | one, from far away, reflected around the mirrored view direction | O(n³) |
+//! | [`shade_brdf`] | any, reflected by any material | O(n³) |
 //! | [`shade_adaptive`] | the same, all bands only where they show | what the light of each point needs |
 //! | [`shade_fields`] | any, behind objects that move | a product of as many functions as objects are near |
 //! | [`shade_linear`] | 2 bands, no shadows, nothing baked | 4 multiply-adds a channel |
@@ -13,6 +14,7 @@
 pub mod adaptive;
 mod ball;
 mod bounced;
+pub mod brdf;
 mod cage;
 mod diffuse;
 pub mod fields;
@@ -27,6 +29,7 @@ mod shadowed;
 
 pub use adaptive::{AdaptiveScene, AdaptiveSettings, shade_adaptive};
 pub use ball::{Ball, Cap, dim};
+pub use brdf::{BrdfLight, BrdfTable, Reflection, shade_brdf};
 pub use diffuse::shade_diffuse;
 pub use fields::{Body, FieldFrame, FieldProduct, FieldShading, shade_fields};
 pub use glossy::{GlossyLight, GlossyMaterial, Received, SpecularWay, shade_glossy};

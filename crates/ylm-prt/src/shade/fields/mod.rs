@@ -56,6 +56,8 @@ pub enum FieldProduct {
     Exact,
     /// One after the other, the nearest first, cut to n bands each time.
     Chain,
+    /// The same by the sparse tensor: as it was done before, to compare with; up to 32 bands.
+    SparseChain,
     /// As the exponential of a sum of logarithms of balls: [Ren et al. 2006].
     Exponential,
 }

@@ -82,9 +82,15 @@ impl Multiply {
             product.resize(group.len() * width, 0.0);
             let factors: Vec<&[f32]> = factors[..=count].iter().map(Vec::as_slice).collect();
             match self.product {
-                FieldProduct::Chain => chain::product(&factors, product, |a, b, out| {
-                    plan::product_in(self.bands, &[a, b], Method::Auto, out, workspace)
-                })?,
+                FieldProduct::Chain | FieldProduct::SparseChain => {
+                    let method = match self.product {
+                        FieldProduct::SparseChain => Method::Gaunt,
+                        _ => Method::Auto,
+                    };
+                    chain::product(&factors, product, |a, b, out| {
+                        plan::product_in(self.bands, &[a, b], method, out, workspace)
+                    })?;
+                }
                 _ => plan::product_in(self.bands, &factors, Method::Auto, product, workspace)?,
             }
             for (&point, row) in group.iter().zip(product.chunks_exact(width)) {
