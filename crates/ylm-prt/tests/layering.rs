@@ -36,6 +36,7 @@ const MAY_DEPEND: &[(&str, &[&str])] = &[
     ("crates/ylm-plot", &["ylm", "ylm-prt"]),
     ("crates/ylm-shader", &["ylm"]),
     ("crates/ylm-cli", &["ylm", "ylm-prt", "ylm-plot", "ylm-shader"]),
+    ("crates/ylm-wasm", &["ylm", "ylm-prt"]),
     ("python", &["ylm", "ylm-prt"]),
     ("bench", &["ylm", "ylm-prt", "ylm-plot"]),
 ];

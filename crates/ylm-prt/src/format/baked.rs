@@ -100,8 +100,11 @@ pub fn read_baked(path: &Path) -> Result<Baked> {
     parse_baked(&bytes).map_err(|fault| Error::file(path, fault))
 }
 
-/// The same for bytes in memory.
-fn parse_baked(bytes: &[u8]) -> std::result::Result<Baked, BakedFault> {
+/// [`read_baked`] for the bytes of a file in memory.
+///
+/// # Errors
+/// The first thing in which the bytes do not fit docs/format.md.
+pub fn parse_baked(bytes: &[u8]) -> std::result::Result<Baked, BakedFault> {
     let (tensors, entry) = parse_tensors(bytes)?;
     let (bands, mut record) = parse_metadata(&entry)?;
 

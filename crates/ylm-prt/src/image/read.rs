@@ -104,8 +104,16 @@ impl Decoded {
     /// If the file cannot be read, is not what its format calls for, or has texels that `options` refuses.
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(|source| Error::io(path, source))?;
+        Self::parse(&bytes, path, options)
+    }
+
+    /// [`Decoded::open`] for the bytes of a file in memory, whose name `path` is.
+    ///
+    /// # Errors
+    /// If they are not what their format calls for, or have texels that `options` refuses.
+    pub fn parse(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Self> {
         let is_float = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("float"));
-        let decoded = if is_float { float_raw::decode(&bytes).map_err(Fault::from) } else { decode(&bytes) };
+        let decoded = if is_float { float_raw::decode(bytes).map_err(Fault::from) } else { decode(bytes) };
         decoded.and_then(|decoded| decoded.checked(options)).map_err(|fault| Error::file(path, fault))
     }
 

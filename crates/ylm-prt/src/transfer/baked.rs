@@ -1,5 +1,7 @@
 //! What a bake leaves behind: points, transfer, and how they came about.
 
+use std::ops::Range;
+
 use super::{BakeSettings, BounceEnd, Bounced, Transfer, TransferKind};
 use crate::error::{Error, Result};
 use crate::scene::{Blockers, LightingPoints};
@@ -52,6 +54,45 @@ impl Baked {
             alone.points.emission = None;
         }
         Ok(alone)
+    }
+}
+
+impl Baked {
+    /// The lighting points of a range alone, without the triangles between them: what one of many workers lights.
+    ///
+    /// # Errors
+    /// If the range ends beyond the points.
+    pub fn only_points(&self, range: Range<usize>) -> Result<Self> {
+        let count = self.points.positions.len();
+        if range.start > range.end || range.end > count {
+            return Err(Error::Request(format!("points {range:?} asked for of {count}")));
+        }
+        let width = self.transfer.bands.coeff_count();
+        let rows = |values: &[f32], width: usize| values[range.start * width..range.end * width].to_vec();
+        let triples = |values: &[[f32; 3]]| values[range.clone()].to_vec();
+        let (points, transfer) = (&self.points, &self.transfer);
+        let bounced = transfer.bounced.as_ref().map(|bounced| Bounced {
+            layers: bounced.layers.iter().map(|layer| rows(layer, 3 * width)).collect(),
+            emitted: bounced.emitted.iter().map(|layer| triples(layer)).collect(),
+            energies: bounced.energies.clone(),
+        });
+        Ok(Self {
+            points: LightingPoints {
+                positions: points.positions[range.clone()].to_vec(),
+                normals: points.normals[range.clone()].to_vec(),
+                albedo: triples(&points.albedo),
+                emission: points.emission.as_ref().map(|emission| triples(emission)),
+                triangles: Vec::new(),
+            },
+            blockers: Blockers::default(),
+            transfer: Transfer {
+                bands: transfer.bands,
+                vectors: rows(&transfer.vectors, width),
+                bounced,
+                visibility: transfer.visibility.as_ref().map(|visibility| rows(visibility, width)),
+            },
+            record: self.record.clone(),
+        })
     }
 }
 

@@ -21,6 +21,7 @@ pub enum Isa {
 impl Isa {
     /// Portable first, best last.
     pub fn available() -> Vec<Isa> {
+        #[allow(unused_mut, reason = "some machines have the portable one alone")]
         let mut available = vec![Isa::Portable];
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2")
