@@ -203,7 +203,7 @@ impl<T: Real> Zonal<T> {
     }
 
     /// √(4π/(2l+1)) z_l of each of the n² coefficients.
-    fn coeff_factors(&self) -> Vec<T> {
+    pub(crate) fn coeff_factors(&self) -> Vec<T> {
         (0..self.coeffs.len()).flat_map(|l| vec![self.band_factor(l); 2 * l + 1]).collect()
     }
 

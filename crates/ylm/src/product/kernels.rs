@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use super::fourier::{Fourier, FourierWorkspace};
 use super::pairs::Pairs;
-use super::{axial, gaunt, grid, matrix, turned, unrolled, zonal};
+use super::{axial, band_forms, gaunt, grid, matrix, turned, unrolled, zonal};
 use crate::error::Result;
 use crate::{Bands, Level};
 
@@ -14,6 +14,8 @@ pub trait ProductKernels: Sized {
     fn run_grid(level: Level, batch: grid::kernel::Batch<'_, Self>);
     /// Products of a batch on a grid, one after the other.
     fn run_grid_single(level: Level, batch: grid::kernel::Batch<'_, Self>);
+    /// Integrals of a batch on a grid, each row with a lobe of its own.
+    fn run_grid_lobes(level: Level, batch: grid::lobes::LobeBatch<'_, Self>) -> Result<()>;
     /// Products of a batch by the sparse tensor.
     fn run_gaunt(level: Level, batch: Pairs<'_, Self, gaunt::Tensor<Self>>);
     /// Products of a batch with a zonal function.
@@ -26,6 +28,8 @@ pub trait ProductKernels: Sized {
     fn run_matrix(level: Level, batch: matrix::Apply<'_, Self>);
     /// A block of a product matrix applied to one vector.
     fn run_matrix_block(level: Level, block: matrix::Block<'_, Self>);
+    /// A band of the bilinear forms of product matrices.
+    fn run_band_form(level: Level, form: band_forms::Form<'_, Self>);
     /// Products of a batch in Fourier space.
     fn run_fourier(bands: Bands, factors: &[&[Self]], out: &mut [Self]) -> Result<()>;
     /// One product by straight-line code.
@@ -42,6 +46,9 @@ macro_rules! impl_kernels {
             }
             fn run_grid_single(level: Level, batch: grid::kernel::Batch<'_, Self>) {
                 level.run_single(grid::kernel::OfBands::<Self, 0>(batch));
+            }
+            fn run_grid_lobes(level: Level, batch: grid::lobes::LobeBatch<'_, Self>) -> Result<()> {
+                level.run(batch)
             }
             fn run_gaunt(level: Level, batch: Pairs<'_, Self, gaunt::Tensor<Self>>) {
                 level.run(batch);
@@ -60,6 +67,9 @@ macro_rules! impl_kernels {
             }
             fn run_matrix_block(level: Level, block: matrix::Block<'_, Self>) {
                 level.run(block);
+            }
+            fn run_band_form(level: Level, form: band_forms::Form<'_, Self>) {
+                level.run(form);
             }
             fn run_fourier(bands: Bands, factors: &[&[Self]], out: &mut [Self]) -> Result<()> {
                 thread_local! {

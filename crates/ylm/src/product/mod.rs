@@ -15,11 +15,13 @@
 //! | [`clamped_cosine`] | the same | O(n³) | the clamped cosine, and the diffuse part of a product |
 //! | [`turned`] | SH, sparse tensor with the kernel in it | O(n⁵), O(n³) for few bands of the kernel | as published in [MP21] |
 //! | [`matrix`] | the factor as a matrix | O(n⁴) a row | the matrix itself |
+//! | [`band_forms`] | the same, band by band | O(n⁴) an integral | integrals that may end after few bands |
 //!
 //! Rows never meet, by any method: a NaN, an infinity or an overflow stays in its row, and shows in at least one coefficient there.
 //! In a factor that all rows share it reaches all of them.
 
 pub mod axial;
+pub mod band_forms;
 pub(crate) mod cache;
 pub mod cap;
 pub mod chain;

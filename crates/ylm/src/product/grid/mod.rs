@@ -13,6 +13,7 @@
 
 mod against;
 pub(super) mod kernel;
+pub(super) mod lobes;
 mod ring;
 pub(super) mod table;
 

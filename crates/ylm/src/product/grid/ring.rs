@@ -32,7 +32,7 @@ pub fn ring_synthesis<T: Real, V: Lanes<T>, const SET: bool>(
     }
 }
 
-/// Points φ and π/2 − φ: their sums over even orders differ in signs alone.
+/// Points φ and π/2 − φ.
 #[inline(always)]
 fn pair_tile<T: Real, V: Lanes<T>, const SET: bool, const B: usize>(
     size: Size,
@@ -40,6 +40,21 @@ fn pair_tile<T: Real, V: Lanes<T>, const SET: bool, const B: usize>(
     orders: &[V],
     points: &mut [V],
 ) {
+    let sums = pair_tile_sums::<T, V, B>(size, constants, orders);
+    for (b, to) in points.chunks_exact_mut(8).enumerate() {
+        let (at, mirrored) = to.split_at_mut(4);
+        four_points::<T, V, SET>(sums[0][b], sums[1][b], at);
+        four_points::<T, V, SET>(sums[2][b], sums[3][b], mirrored);
+    }
+}
+
+/// Cosine and sine sums of `B` points φ over even and over odd orders, then of π/2 − φ, whose sums over even orders differ in signs alone.
+#[inline(always)]
+pub fn pair_tile_sums<T: Real, V: Lanes<T>, const B: usize>(
+    size: Size,
+    constants: &[T],
+    orders: &[V],
+) -> [[[V; 2]; B]; 4] {
     let [fours, twos, _] = size.orders();
     let (four_rows, rest) = constants.split_at(2 * B * fours);
     let (two_rows, odd_rows) = rest.split_at(2 * B * twos);
@@ -57,13 +72,14 @@ fn pair_tile<T: Real, V: Lanes<T>, const SET: bool, const B: usize>(
             sines[1][b] = V::splat(row[3 * B + b]).mul_add(pair[1], sines[1][b]);
         }
     }
-    for (b, to) in points.chunks_exact_mut(8).enumerate() {
-        let (at, mirrored) = to.split_at_mut(4);
-        let even = [four_cos[b] + two_cos[b], four_sin[b] + two_sin[b]];
-        four_points::<T, V, SET>(even, [cosines[0][b], sines[0][b]], at);
-        let even = [four_cos[b] - two_cos[b], two_sin[b] - four_sin[b]];
-        four_points::<T, V, SET>(even, [cosines[1][b], sines[1][b]], mirrored);
+    let mut sums = [[[zero; 2]; B]; 4];
+    for b in 0..B {
+        sums[0][b] = [four_cos[b] + two_cos[b], four_sin[b] + two_sin[b]];
+        sums[1][b] = [cosines[0][b], sines[0][b]];
+        sums[2][b] = [four_cos[b] - two_cos[b], two_sin[b] - four_sin[b]];
+        sums[3][b] = [cosines[1][b], sines[1][b]];
     }
+    sums
 }
 
 /// The point π/4.
@@ -74,28 +90,41 @@ fn middle_point<T: Real, V: Lanes<T>, const SET: bool>(
     orders: &[V],
     point: &mut [V],
 ) {
+    let [even, odd] = middle_sums::<T, V>(size, constants, orders);
+    four_points::<T, V, SET>(even, odd, point);
+}
+
+/// Cosine and sine sums of the point π/4, over even and over odd orders.
+#[inline(always)]
+pub fn middle_sums<T: Real, V: Lanes<T>>(size: Size, constants: &[T], orders: &[V]) -> [[V; 2]; 2] {
     let [fours, twos, _] = size.orders();
     let (even_rows, odd_rows) = constants.split_at(2 * (fours + twos));
     let (even, odd) = orders[1..].split_at(2 * (fours + twos));
     let (even_cos, even_sin) = trigonometric_sums::<T, V, 1>(even_rows, even, orders[0]);
     let (odd_cos, odd_sin) = trigonometric_sums::<T, V, 1>(odd_rows, odd, V::splat(T::ZERO));
-    four_points::<T, V, SET>([even_cos[0], even_sin[0]], [odd_cos[0], odd_sin[0]], point);
+    [[even_cos[0], even_sin[0]], [odd_cos[0], odd_sin[0]]]
 }
 
 /// Sums of cosines and of sines over even and over odd orders at φ → values at φ, −φ, π − φ, π + φ.
 #[inline(always)]
 fn four_points<T: Real, V: Lanes<T>, const SET: bool>(even: [V; 2], odd: [V; 2], to: &mut [V]) {
+    let new = values_of_sums::<T, V>(even, odd);
+    for (to, new) in to.iter_mut().zip(new) {
+        *to = if SET { new } else { *to * new };
+    }
+}
+
+/// The values themselves.
+#[inline(always)]
+pub fn values_of_sums<T: Real, V: Lanes<T>>(even: [V; 2], odd: [V; 2]) -> [V; 4] {
     let (even_sum, even_difference) = (even[0] + even[1], even[0] - even[1]);
     let (odd_sum, odd_difference) = (odd[0] + odd[1], odd[0] - odd[1]);
-    let new = [
+    [
         even_sum + odd_sum,
         even_difference + odd_difference,
         even_difference - odd_difference,
         even_sum - odd_sum,
-    ];
-    for (to, new) in to.iter_mut().zip(new) {
-        *to = if SET { new } else { *to * new };
-    }
+    ]
 }
 
 /// Values of a ring → its orders (not yet weighted).
