@@ -83,6 +83,12 @@ pub fn run(options: &Options) -> Vec<Table> {
     }
     let pairs = shown[2].1.iter().zip(&shown[1].1);
     let missing: Vec<Vec3> = pairs.map(|(adaptive, full)| *adaptive - *full).collect();
+    let foreseen =
+        adaptive(&AdaptiveScene::new(&stage.baked), &light, stage.camera.eye(), &AdaptiveSettings::FORESEEN);
+    for (name, region) in [("diffuse", &foreseen.diffuse), ("specular", &foreseen.specular)] {
+        let filtered = 100.0 * region.filtered_share(BANDS);
+        table.row(vec![format!("{name}, foreseen"), format!("{filtered:.0}"), String::new()]);
+    }
     pictures
         .push((stage.draw(Colours::Signed { full: 0.02 }, &missing), "adaptive - full, to 0.02".to_owned()));
     save(

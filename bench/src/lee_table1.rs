@@ -55,21 +55,21 @@ pub fn adaptive(
     eye: Vec3,
     settings: &AdaptiveSettings,
 ) -> AdaptiveFrame {
-    let glossy = GlossyLight::with_way(light, scene.bands(), SpecularWay::VertexMatrix).expect("a light");
+    let glossy = GlossyLight::with_way(light, scene.bands(), settings.light_way()).expect("a light");
     shade_adaptive(scene, &glossy, &MATERIAL, eye, settings).expect("a frame")
 }
 
 /// A frame by the full calculation, its light made ready for it.
 pub fn full(baked: &Baked, light: &LightCoeffs, eye: Vec3, way: SpecularWay) -> Vec<Vec3> {
     let glossy = GlossyLight::with_way(light, baked.transfer.bands, way).expect("a light");
-    shade_glossy_by(baked, light, &glossy, &MATERIAL, eye).expect("a frame")
+    shade_glossy_by(baked, &glossy, &MATERIAL, eye).expect("a frame")
 }
 
 fn percent(share: f64) -> String {
     format!("{:.0}", 100.0 * share)
 }
 
-/// Table 1, and the stages one by one.
+/// Table 1.
 pub fn run(options: &Options) -> Vec<Table> {
     let mut table = Table::new(
         format!("Table 1: all threads, RGB light, {MATERIAL_TEXT}; each frame with a new light"),
@@ -79,19 +79,33 @@ pub fn run(options: &Options) -> Vec<Table> {
             "vertices",
             "level",
             "coefficients",
-            "fps adaptive, theirs",
             "fps full, theirs",
-            "fps adaptive",
+            "fps adaptive, theirs",
+            "gain, theirs",
             "fps full, their matrix loop",
-            "fps full, quadrature",
-            "fps full, view alone moves",
+            "fps adaptive",
+            "gain",
+            "gain over the same code, nothing filtered",
             "filtered %, diffuse, theirs",
             "specular, theirs",
             "filtered %, diffuse",
             "specular",
-            "gain, theirs",
-            "gain of adaptive",
-            "quadrature over adaptive",
+            "PSNR dB",
+        ],
+    );
+    let mut fastest_table = Table::new(
+        "The same frames by the fastest code: all in quadrature space, and bands foreseen from their energies",
+        &[
+            "probe",
+            "model",
+            "level",
+            "fps full, quadrature",
+            "over their matrix loop",
+            "fps full, view alone moves",
+            "fps foreseen",
+            "gain over quadrature",
+            "filtered %, diffuse",
+            "specular",
             "PSNR dB",
         ],
     );
@@ -105,55 +119,75 @@ pub fn run(options: &Options) -> Vec<Table> {
         let Some(light) = probe(options, probe_file, level + 1) else { continue };
         let (baked, eye) = (scene.of_bands(level + 1), scene.camera.eye());
         let ordered = AdaptiveScene::new(&baked);
-        let settings = AdaptiveSettings::PAPER;
-        let frame = adaptive(&ordered, &light, eye, &settings);
+        let (settings, foreseen) = (AdaptiveSettings::PAPER, AdaptiveSettings::FORESEEN);
+        let unfiltered =
+            AdaptiveSettings { thresholds: Thresholds::PAPER.scaled(0.0), ..AdaptiveSettings::FILTER };
         let reference = full(&baked, &light, eye, SpecularWay::Quadrature);
-        let adaptive_seconds =
-            fastest(options, || drop(black_box(adaptive(&ordered, &light, eye, &settings).radiance())));
+        let adaptive_seconds = |settings: AdaptiveSettings| {
+            fastest(options, || drop(black_box(adaptive(&ordered, &light, eye, &settings).radiance())))
+        };
         let seconds_by = |way| fastest(options, || drop(black_box(full(&baked, &light, eye, way))));
         let matrix_seconds = seconds_by(SpecularWay::VertexMatrix);
         let quadrature_seconds = seconds_by(SpecularWay::Quadrature);
+        let (paper_seconds, all_seconds) = (adaptive_seconds(settings), adaptive_seconds(unfiltered));
+        let foreseen_seconds = adaptive_seconds(foreseen);
         let glossy = GlossyLight::new(&light, bands_of(level + 1)).expect("a light");
         let received = Received::new(&baked, &glossy).expect("memory");
         let view_seconds =
             fastest(options, || drop(black_box(received.reflect(&baked, &MATERIAL, eye).expect("a frame"))));
         let [theirs, theirs_full, theirs_diffuse, theirs_specular, theirs_gain] = paper;
         let fps = |seconds: f64| format!("{:.1}", 1.0 / seconds);
-        table.row(vec![
+        let outcome = |settings: &AdaptiveSettings| {
+            let frame = adaptive(&ordered, &light, eye, settings);
+            [
+                percent(frame.diffuse.filtered_share(level + 1)),
+                percent(frame.specular.filtered_share(level + 1)),
+                format!("{:.1}", scene.psnr(&frame.radiance(), &reference)),
+            ]
+        };
+        let mut cells = vec![
             probe_name.to_owned(),
             model.to_owned(),
             scene.vertex_count().to_string(),
             level.to_string(),
             ((level + 1) * (level + 1)).to_string(),
-            theirs.to_string(),
             theirs_full.to_string(),
-            fps(adaptive_seconds),
+            theirs.to_string(),
+            theirs_gain.to_string(),
             fps(matrix_seconds),
-            fps(quadrature_seconds),
-            fps(view_seconds),
+            fps(paper_seconds),
+            format!("{:.2}", matrix_seconds / paper_seconds),
+            format!("{:.2}", all_seconds / paper_seconds),
             theirs_diffuse.to_string(),
             theirs_specular.to_string(),
-            percent(frame.diffuse.filtered_share(level + 1)),
-            percent(frame.specular.filtered_share(level + 1)),
-            theirs_gain.to_string(),
-            format!("{:.2}", matrix_seconds / adaptive_seconds),
-            format!("{:.1}", adaptive_seconds / quadrature_seconds),
-            format!("{:.1}", scene.psnr(&frame.radiance(), &reference)),
-        ]);
+        ];
+        cells.extend(outcome(&settings));
+        table.row(cells);
+        let mut cells = vec![
+            probe_name.to_owned(),
+            model.to_owned(),
+            level.to_string(),
+            fps(quadrature_seconds),
+            format!("{:.1}", matrix_seconds / quadrature_seconds),
+            fps(view_seconds),
+            fps(foreseen_seconds),
+            format!("{:.2}", quadrature_seconds / foreseen_seconds),
+        ];
+        cells.extend(outcome(&foreseen));
+        fastest_table.row(cells);
     }
-    let mut tables = vec![table];
-    if let Some(scene) = scenes.iter().find(|scene| scene.name == ARMADILLO.0) {
-        tables.extend(stages(options, scene));
-    }
-    tables
+    vec![table, fastest_table]
 }
 
+const BANDS: usize = 11;
+
 /// The stages on one scene: time, error, and flicker as the model spins.
-fn stages(options: &Options, scene: &LeeScene) -> Option<Table> {
-    const BANDS: usize = 11;
+pub fn run_stages(options: &Options) -> Vec<Table> {
+    let Some(scene) = LeeScene::new(options, ARMADILLO.0, ARMADILLO.1, BANDS) else { return Vec::new() };
+    let Some(light) = probe(options, PETERS.1, BANDS) else { return Vec::new() };
     let mut table = Table::new(
         "Stages: Armadillo under St. Peter's, level 10; flicker is the largest change of a vertex from frame to frame above the full \
-         calculation's own, in 1/255, of a spin in steps of 0.2°",
+         calculation's own, in 1/255, of a spin by 10° in steps of 0.2°",
         &[
             "stages",
             "ms",
@@ -169,16 +203,17 @@ fn stages(options: &Options, scene: &LeeScene) -> Option<Table> {
             "flicker",
         ],
     );
-    let light = probe(options, PETERS.1, BANDS)?;
     let windowed = light.windowed(Window::Hann(BANDS as f64)).expect("a width");
     let (baked, eye) = (scene.of_bands(BANDS), scene.camera.eye());
     let ordered = AdaptiveScene::new(&baked);
     let paper = AdaptiveSettings::PAPER;
-    let steady = |factor: f32| AdaptiveSettings {
+    let with = |factor: f32, settings: AdaptiveSettings| AdaptiveSettings {
         thresholds: Thresholds::PAPER.scaled(factor),
-        ..AdaptiveSettings::STEADY
+        ..settings
     };
+    let (steady, foreseen) = (AdaptiveSettings::STEADY, AdaptiveSettings::FORESEEN);
     let settings = [
+        ("all bands, nothing filtered", with(0.0, AdaptiveSettings::FILTER), &light),
         ("filter", AdaptiveSettings::FILTER, &light),
         (
             "filter, prediction",
@@ -189,9 +224,13 @@ fn stages(options: &Options, scene: &LeeScene) -> Option<Table> {
         ("filter, smoothing", AdaptiveSettings { refinement: Refinement::None, ..paper }, &light),
         ("paper: all three", paper, &light),
         ("paper, light windowed", paper, &windowed),
-        ("gradual end", AdaptiveSettings::STEADY, &light),
-        ("gradual end, half thresholds", steady(0.5), &light),
-        ("gradual end, light windowed", AdaptiveSettings::STEADY, &windowed),
+        ("gradual end", steady, &light),
+        ("gradual end, half thresholds", with(0.5, steady), &light),
+        ("gradual end, light windowed", steady, &windowed),
+        ("foreseen, half thresholds", with(0.5, foreseen), &light),
+        ("foreseen", foreseen, &light),
+        ("foreseen, twice the thresholds", with(2.0, foreseen), &light),
+        ("foreseen, light windowed", foreseen, &windowed),
     ];
     let frames = if options.quick { 3 } else { 50 };
     for (name, settings, light) in settings {
@@ -210,7 +249,28 @@ fn stages(options: &Options, scene: &LeeScene) -> Option<Table> {
         cells.push(format!("{:.2}", 255.0 * flicker(&ordered, &baked, light, eye, &settings, frames)));
         table.row(cells);
     }
-    Some(table)
+    vec![table]
+}
+
+/// Flicker over whole turns.
+pub fn run_spin(options: &Options) -> Vec<Table> {
+    let frames = if options.quick { 5 } else { 1801 };
+    let mut table = Table::new(
+        format!(
+            "A turn in {} steps of 0.2° under St. Peter's, level 10: the largest change above the full calculation's own, in 1/255",
+            frames - 1
+        ),
+        &["model", "stages", "flicker"],
+    );
+    let Some(light) = probe(options, PETERS.1, BANDS) else { return vec![table] };
+    for (name, file) in [ARMADILLO, BUDDHA] {
+        let Some(scene) = LeeScene::new(options, name, file, BANDS) else { continue };
+        let (baked, eye) = (scene.of_bands(BANDS), scene.camera.eye());
+        let ordered = AdaptiveScene::new(&baked);
+        let flicker = flicker(&ordered, &baked, &light, eye, &AdaptiveSettings::FORESEEN, frames);
+        table.row(vec![name.to_owned(), "foreseen".to_owned(), format!("{:.2}", 255.0 * flicker)]);
+    }
+    vec![table]
 }
 
 /// The largest change of a vertex from frame to frame above the full calculation's own.

@@ -40,9 +40,12 @@ pub fn run(options: &Options) -> Vec<Table> {
             "PSNR, theirs",
             "fps full, their matrix loop",
             "fps full, batched matrix",
+            "fps full, band forms",
             "fps full, quadrature",
             "fps adaptive",
             "gain of adaptive",
+            "PSNR dB",
+            "fps foreseen",
             "PSNR dB",
         ],
     );
@@ -58,6 +61,7 @@ pub fn run(options: &Options) -> Vec<Table> {
         "full, batched",
         "full, quadrature",
         "adaptive",
+        "foreseen",
     ];
     let mut curves = names.map(|name| Curve { name: name.to_owned(), points: Vec::new() });
     for &(level, theirs_full, theirs, theirs_psnr) in rows {
@@ -65,13 +69,21 @@ pub fn run(options: &Options) -> Vec<Table> {
         let (baked, eye) = (scene.of_bands(level + 1), scene.camera.eye());
         let ordered = AdaptiveScene::new(&baked);
         let settings = AdaptiveSettings::PAPER;
-        let [matrix, batched, quadrature] =
+        let [matrix, batched, forms, quadrature] =
             SpecularWay::ALL.map(|way| fastest(options, || drop(black_box(full(&baked, &light, eye, way)))));
         let ours =
             fastest(options, || drop(black_box(adaptive(&ordered, &light, eye, &settings).radiance())));
         let frame = adaptive(&ordered, &light, eye, &settings);
         let psnr = scene.psnr(&frame.radiance(), &full(&baked, &light, eye, SpecularWay::Quadrature));
-        let all = [theirs_full, theirs, 1.0 / matrix, 1.0 / batched, 1.0 / quadrature, 1.0 / ours];
+        let foresee = AdaptiveSettings::FORESEEN;
+        let foreseen =
+            fastest(options, || drop(black_box(adaptive(&ordered, &light, eye, &foresee).radiance())));
+        let foreseen_frame = adaptive(&ordered, &light, eye, &foresee);
+        let foreseen_psnr =
+            scene.psnr(&foreseen_frame.radiance(), &full(&baked, &light, eye, SpecularWay::Quadrature));
+        let all = [theirs_full, theirs]
+            .into_iter()
+            .chain([matrix, batched, quadrature, ours, foreseen].map(|seconds| 1.0 / seconds));
         for (curve, fps) in curves.iter_mut().zip(all) {
             curve.points.push((level as f64, fps));
         }
@@ -84,10 +96,13 @@ pub fn run(options: &Options) -> Vec<Table> {
             theirs_psnr.to_string(),
             fps(matrix),
             fps(batched),
+            fps(forms),
             fps(quadrature),
             fps(ours),
             format!("{:.2}", matrix / ours),
             format!("{psnr:.1}"),
+            fps(foreseen),
+            format!("{foreseen_psnr:.1}"),
         ]);
     }
     let title = "Fig. 11: frames a second by level, Happy Buddha";

@@ -60,6 +60,8 @@ const BENCHES: &[Bench] = &[
     ("basis", basis::run),
     ("lee-pictures", lee_pictures::run),
     ("lee-table1", lee_table1::run),
+    ("lee-stages", lee_table1::run_stages),
+    ("lee-spin", lee_table1::run_spin),
     ("lee-table2", lee_table2::run),
     ("cheap-forms", cheap_forms::run),
     ("local-light", local_light::run),

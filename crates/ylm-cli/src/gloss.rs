@@ -6,7 +6,7 @@ use ylm_prt::error::Result;
 use ylm_prt::light::LightCoeffs;
 use ylm_prt::shade::adaptive::{AdaptiveFrame, Pace, Region, Stage, Thresholds, thresholds_for_psnr};
 use ylm_prt::shade::{
-    AdaptiveScene, AdaptiveSettings, GlossyLight, GlossyMaterial, SpecularWay, shade_adaptive, shade_glossy,
+    AdaptiveScene, AdaptiveSettings, GlossyLight, GlossyMaterial, shade_adaptive, shade_glossy,
 };
 use ylm_prt::transfer::Baked;
 
@@ -16,7 +16,7 @@ use crate::view::Shading;
 /// `--shininess` and what goes with it.
 #[derive(clap::Args)]
 pub struct GlossOptions {
-    /// Exponent of the Phong lobe of --shading glossy, adaptive or roi (default: 20)
+    /// Exponent of the Phong lobe of --shading glossy, adaptive, roi, or of a glossy --shading reference (default: 20)
     #[arg(long, value_parser = options::not_negative, value_name = "S")]
     shininess: Option<f32>,
     /// Part of the albedo that glossy shading reflects in all directions (default: 0.8)
@@ -47,8 +47,10 @@ enum Stages {
     Paper,
     /// The filter alone
     Filter,
-    /// The filter with a gradual end: nothing flickers in motion
+    /// The filter with a gradual end: less flicker in motion
     Steady,
+    /// Bands foreseen from their energies, all or none of a point: faster than the others, with the least flicker
+    Foreseen,
 }
 
 fn thresholds(text: &str) -> std::result::Result<Thresholds, String> {
@@ -65,10 +67,11 @@ impl GlossOptions {
     /// # Errors
     /// The line that says so.
     pub fn check(&self, shading: Shading) -> std::result::Result<(), String> {
+        let has_material = shading.is_glossy() || shading == Shading::Reference;
         let given = [
-            ("--shininess", self.shininess.is_some(), shading.is_glossy()),
-            ("--diffuse", self.diffuse.is_some(), shading.is_glossy()),
-            ("--specular", self.specular.is_some(), shading.is_glossy()),
+            ("--shininess", self.shininess.is_some(), has_material),
+            ("--diffuse", self.diffuse.is_some(), has_material),
+            ("--specular", self.specular.is_some(), has_material),
             ("--thresholds", self.thresholds.is_some(), shading.is_adaptive()),
             ("--psnr", self.psnr.is_some(), shading.is_adaptive()),
             ("--budget", self.budget.is_some(), shading.is_adaptive()),
@@ -88,6 +91,12 @@ impl GlossOptions {
             specular: self.specular.unwrap_or(default.specular),
             shininess: self.shininess.unwrap_or(default.shininess),
         }
+    }
+
+    /// What the reference's surface reflects: diffuse alone unless an option of gloss is given.
+    pub fn reference_material(&self) -> Option<GlossyMaterial> {
+        let is_glossy = self.shininess.is_some() || self.diffuse.is_some() || self.specular.is_some();
+        is_glossy.then(|| self.material())
     }
 
     /// How frames are kept within the budget, if there is one.
@@ -111,7 +120,7 @@ impl GlossOptions {
     ) -> Result<AdaptiveSettings> {
         let settings = self.settings(exposure);
         let Some(psnr) = self.psnr else { return Ok(settings) };
-        let (light, white) = (matrix_light(scene, light)?, (-exposure).exp2());
+        let (light, white) = (light_for(&settings, scene, light)?, (-exposure).exp2());
         let thresholds =
             thresholds_for_psnr(scene, &light, &self.material(), eye, &settings, psnr.into(), white)?;
         Ok(AdaptiveSettings { thresholds, ..settings })
@@ -123,6 +132,7 @@ impl GlossOptions {
             Stages::Paper => AdaptiveSettings::PAPER,
             Stages::Filter => AdaptiveSettings::FILTER,
             Stages::Steady => AdaptiveSettings::STEADY,
+            Stages::Foreseen => AdaptiveSettings::FORESEEN,
         };
         let thresholds = self.thresholds.unwrap_or(Thresholds::PAPER).scaled((-exposure).exp2());
         AdaptiveSettings { thresholds, ..preset }
@@ -147,21 +157,23 @@ impl GlossOptions {
         eye: Vec3,
         settings: &AdaptiveSettings,
     ) -> Result<AdaptiveFrame> {
-        shade_adaptive(scene, &matrix_light(scene, light)?, &self.material(), eye, settings)
+        shade_adaptive(scene, &light_for(settings, scene, light)?, &self.material(), eye, settings)
     }
 
     /// For `--json`.
     pub fn value(&self, shading: Shading) -> Value {
-        let GlossyMaterial { diffuse, specular, shininess } = self.material();
-        match shading.is_glossy() {
-            true => json!({ "diffuse": diffuse, "specular": specular, "shininess": shininess }),
-            false => Value::Null,
-        }
+        let material = match shading {
+            Shading::Reference => self.reference_material(),
+            _ => shading.is_glossy().then(|| self.material()),
+        };
+        material.map_or(Value::Null, |GlossyMaterial { diffuse, specular, shininess }| {
+            json!({ "diffuse": diffuse, "specular": specular, "shininess": shininess })
+        })
     }
 }
 
-fn matrix_light(scene: &AdaptiveScene, light: &LightCoeffs) -> Result<GlossyLight> {
-    GlossyLight::with_way(light, scene.bands(), SpecularWay::VertexMatrix)
+fn light_for(settings: &AdaptiveSettings, scene: &AdaptiveScene, light: &LightCoeffs) -> Result<GlossyLight> {
+    GlossyLight::with_way(light, scene.bands(), settings.light_way())
 }
 
 /// For `--json`: what became of the points of a frame, and the thresholds in units of white as displayed.

@@ -196,6 +196,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
         window,
         material: material.as_ref(),
         ordered: None,
+        turned: None,
         raster,
         exposure,
     };
@@ -253,6 +254,8 @@ struct Scene<'a> {
     material: Option<&'a Material>,
     /// For adaptive shading.
     ordered: Option<Ordered<'a>>,
+    /// The coefficients of the light of a turntable's picture, turned.
+    turned: Option<&'a LightCoeffs>,
     raster: Raster,
     /// Stops.
     exposure: f32,
@@ -286,7 +289,7 @@ impl Scene<'_> {
                 (material.shade(arguments, baked, &stage.bvh, light, window, eye)?, Value::Null)
             }
             true => self.shade_glossy(light, camera.eye())?,
-            false => (shade(arguments, baked, light, stage, window)?, Value::Null),
+            false => (shade(arguments, baked, light, stage, window, camera.eye())?, Value::Null),
         };
         let shade_seconds = shade_start.elapsed().as_secs_f64();
 
@@ -296,9 +299,11 @@ impl Scene<'_> {
             Background::Black => Vec3::ZERO,
         };
         let middle = shading::middle(&baked.points.positions);
-        let coeffs = light.project_at(middle, baked.transfer.bands)?.windowed_by(window)?;
         let mut radiance = shaded.radiance.clone();
-        radiance.extend(stage.light_balls(&arguments.view.part_of(coeffs)?));
+        if !arguments.balls.balls().is_empty() {
+            let coeffs = light.project_at(middle, baked.transfer.bands)?.windowed_by(window)?;
+            radiance.extend(stage.light_balls(&arguments.view.part_of(coeffs)?));
+        }
         let colours = arguments.view.colours(arguments.shading, &radiance);
         let draw = |colours, background: &(dyn Fn(Vec3) -> Vec3 + Sync)| {
             render_in(colours, &stage.points, &stage.bvh, &radiance, camera, &raster, background)
@@ -324,6 +329,8 @@ impl Scene<'_> {
         let mut measures = Measures::default();
         let mut pace = self.arguments.gloss.pace()?;
         let mut last = None;
+        // As in real time: projected once, and turned for each picture.
+        let coeffs = if self.arguments.shading.is_glossy() { Some(self.light_coeffs(light)?) } else { None };
         for (done, turn) in turns.iter().enumerate() {
             if interrupt::is_interrupted() {
                 let text = format!("interrupted; {done} of {} pictures are written", turns.len());
@@ -338,14 +345,16 @@ impl Scene<'_> {
                 Some(pace) => Ordered { settings: in_time(ordered, pace), ..ordered },
                 None => ordered,
             });
-            let drawn = Scene { ordered, ..*self }.draw(&turn.output, &light, &camera)?;
+            let turned = coeffs.as_ref().map(|coeffs| coeffs.rotated(turn.rotation)).transpose()?;
+            let scene = Scene { ordered, turned: turned.as_ref(), ..*self };
+            let drawn = scene.draw(&turn.output, &light, &camera)?;
             if let Some(pace) = &mut pace {
                 pace.took(drawn.shade_seconds);
             }
             let displayed = |radiance: &[Vec3]| radiance.iter().map(|r| *r * self.exposure.exp2()).collect();
             let full = match self.arguments.shading {
                 Shading::Adaptive => {
-                    let coeffs = self.light_coeffs(&light)?;
+                    let coeffs = scene.light_coeffs(&light)?;
                     Some(displayed(&self.arguments.gloss.shade(self.baked, &coeffs, camera.eye())?))
                 }
                 _ => None,
@@ -360,6 +369,9 @@ impl Scene<'_> {
 
     /// The coefficients of a light from far away, of as many bands as are used.
     fn light_coeffs(&self, light: &Light) -> error::Result<LightCoeffs> {
+        if let Some(turned) = self.turned {
+            return Ok(turned.clone());
+        }
         if light.is_local() {
             return Err(error::Error::Request(format!(
                 "--shading {} needs a light from far away; this one stands somewhere",
@@ -426,6 +438,7 @@ fn shade(
     light: &Light,
     stage: &Stage,
     window: Option<Window>,
+    eye: Vec3,
 ) -> error::Result<Shaded> {
     let coeffs = |bands| light.project(bands)?.windowed_by(window);
     match (arguments.shading, arguments.light_bands) {
@@ -435,9 +448,9 @@ fn shade(
         )),
         (Shading::Reference, Some(bands)) => {
             let light = Light::of(Source::Coeffs(Arc::new(coeffs(bands)?)));
-            reference(arguments, baked, stage, &light)
+            reference(arguments, baked, stage, &light, eye)
         }
-        (Shading::Reference, None) => reference(arguments, baked, stage, light),
+        (Shading::Reference, None) => reference(arguments, baked, stage, light, eye),
         _ => {
             let part = |light| arguments.view.part_of(light);
             if light.is_local() {
@@ -450,12 +463,22 @@ fn shade(
     }
 }
 
-fn reference(arguments: &Arguments, baked: &Baked, stage: &Stage, light: &Light) -> error::Result<Shaded> {
+fn reference(
+    arguments: &Arguments,
+    baked: &Baked,
+    stage: &Stage,
+    light: &Light,
+    eye: Vec3,
+) -> error::Result<Shaded> {
+    let rays = arguments.rays;
+    let by = |occlusion: Occlusion| match arguments.gloss.reference_material() {
+        Some(material) => shading::glossy_reference(baked, occlusion, light, rays, &material, eye),
+        None => shading::reference_behind(baked, occlusion, light, rays),
+    };
     if arguments.balls.balls().is_empty() {
-        return shading::reference(baked, &stage.bvh, light, arguments.rays);
+        return shading::with_occlusion(baked, &stage.bvh, by);
     }
-    let blockers = arguments.balls.blockers(baked)?;
-    shading::reference_behind(baked, Occlusion::By(&blockers), light, arguments.rays)
+    by(Occlusion::By(&arguments.balls.blockers(baked)?))
 }
 
 fn write_picture(arguments: &Arguments, path: &Path, mut image: Image, exposure: f32) -> error::Result<()> {

@@ -4,9 +4,11 @@ use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 use ylm_prt::error::Result;
 use ylm_prt::light::{Light, LightCoeffs};
-use ylm_prt::reference::{Irradiance, Occlusion, Settings, bounced_irradiance, irradiance};
+use ylm_prt::reference::{
+    Irradiance, Occlusion, PhongLobe, Settings, bounced_irradiance, irradiance, specular,
+};
 use ylm_prt::scene::{Bvh, LightingPoints};
-use ylm_prt::shade::{Far, Incident, Shadowed, dim, shade_diffuse, shade_diffuse_under};
+use ylm_prt::shade::{Far, GlossyMaterial, Incident, Shadowed, dim, shade_diffuse, shade_diffuse_under};
 use ylm_prt::transfer::{BakeRecord, Baked, TransferKind};
 
 use crate::balls::{BallOptions, BallShadow};
@@ -110,6 +112,11 @@ pub fn middle(positions: &[Vec3]) -> Vec3 {
 /// # Errors
 /// If the light has no finite power, or the user interrupts.
 pub fn reference(baked: &Baked, drawn: &Bvh, light: &Light, rays: u32) -> Result<Shaded> {
+    with_occlusion(baked, drawn, |occlusion| reference_behind(baked, occlusion, light, rays))
+}
+
+/// Calls `work` with what blocked in the bake.
+pub fn with_occlusion<R>(baked: &Baked, drawn: &Bvh, work: impl FnOnce(Occlusion) -> R) -> R {
     let with_blockers = (!baked.blockers.is_empty()).then(|| Bvh::of_scene(&baked.points, &baked.blockers));
     let occlusion = match baked.record.kind {
         TransferKind::Unshadowed => Occlusion::None,
@@ -117,7 +124,7 @@ pub fn reference(baked: &Baked, drawn: &Bvh, light: &Light, rays: u32) -> Result
             Occlusion::By(with_blockers.as_ref().unwrap_or(drawn))
         }
     };
-    reference_behind(baked, occlusion, light, rays)
+    work(occlusion)
 }
 
 /// Lights by rays from the light itself, with anything in their way.
@@ -127,29 +134,79 @@ pub fn reference(baked: &Baked, drawn: &Bvh, light: &Light, rays: u32) -> Result
 ///
 /// An interreflected bake is judged by paths of as many bounces.
 pub fn reference_behind(baked: &Baked, occlusion: Occlusion, light: &Light, rays: u32) -> Result<Shaded> {
-    let _guard = interrupt::Guard::new();
-    let points = &baked.points;
+    let irradiance = irradiance_behind(baked, occlusion, light, rays)?;
+    Ok(Shaded { noise: Some(irradiance.relative_noise()), radiance: reflect(&baked.points, &irradiance) })
+}
+
+/// All points, and how rays are drawn from them.
+fn what_to_trace(baked: &Baked, rays: u32) -> (Vec<u32>, Settings) {
     // The bake's samples have seeds of their own; a reference must not share its noise.
     let BakeRecord { seed, bias, t_max, .. } = baked.record;
-    let settings = Settings { rays, seed: !seed, bias, t_max };
-    let all: Vec<u32> = (0..points.positions.len() as u32).collect();
+    ((0..baked.points.positions.len() as u32).collect(), Settings { rays, seed: !seed, bias, t_max })
+}
+
+fn irradiance_behind(baked: &Baked, occlusion: Occlusion, light: &Light, rays: u32) -> Result<Irradiance> {
+    let _guard = interrupt::Guard::new();
+    let points = &baked.points;
+    let (all, settings) = what_to_trace(baked, rays);
     let goes_on = |_done: usize| !interrupt::is_interrupted();
-    let irradiance = match (&baked.transfer.bounced, occlusion) {
+    match (&baked.transfer.bounced, occlusion) {
         (Some(bounced), Occlusion::By(bvh)) => {
             let bounces = bounced.energies.len() as u32;
-            bounced_irradiance(points, &all, bvh, light, bounces, &settings, &goes_on)?
+            bounced_irradiance(points, &all, bvh, light, bounces, &settings, &goes_on)
         }
-        _ => irradiance(points, &all, occlusion, light, &settings, &goes_on)?,
-    };
-    Ok(Shaded { noise: Some(irradiance.relative_noise()), radiance: reflect(points, &irradiance) })
+        _ => irradiance(points, &all, occlusion, light, &settings, &goes_on),
+    }
 }
 
 /// What a diffuse surface makes of irradiance, ρ/π E, and what it sends out itself.
 pub fn reflect(points: &LightingPoints, irradiance: &Irradiance) -> Vec<Vec3> {
-    let pairs = irradiance.values.iter().zip(&points.albedo);
-    let reflected = pairs.map(|(&e, &albedo)| e * Vec3::from(albedo) * std::f32::consts::FRAC_1_PI);
-    let emission = points.emission.iter().flatten().map(|&emission| Vec3::from(emission));
-    reflected.zip(emission.chain(std::iter::repeat(Vec3::ZERO))).map(|(a, b)| a + b).collect()
+    let reflected = irradiance.values.iter().enumerate().map(|(point, &e)| e * over_pi(points, point));
+    reflected.enumerate().map(|(point, radiance)| radiance + emission(points, point)).collect()
+}
+
+/// Albedo / π of a point.
+fn over_pi(points: &LightingPoints, point: usize) -> Vec3 {
+    Vec3::from(points.albedo[point]) * std::f32::consts::FRAC_1_PI
+}
+
+/// What a point sends out itself.
+fn emission(points: &LightingPoints, point: usize) -> Vec3 {
+    points.emission.as_ref().map_or(Vec3::ZERO, |emission| emission[point].into())
+}
+
+/// A glossy surface towards an eye, by rays: light that bounced is reflected by the diffuse part alone, as in `--shading glossy`.
+///
+/// # Errors
+/// As [`reference`], and if the light stands somewhere.
+pub fn glossy_reference(
+    baked: &Baked,
+    occlusion: Occlusion,
+    light: &Light,
+    rays: u32,
+    material: &GlossyMaterial,
+    eye: Vec3,
+) -> Result<Shaded> {
+    let points = &baked.points;
+    let lobe = PhongLobe { specular: material.specular, shininess: material.shininess, eye };
+    let (all, settings) = what_to_trace(baked, rays);
+    let mirrored = {
+        let _guard = interrupt::Guard::new();
+        specular(points, &all, occlusion, light, &lobe, &settings, &|_| !interrupt::is_interrupted())?
+    };
+    let irradiance = irradiance_behind(baked, occlusion, light, rays)?;
+    let (mut radiance, mut noise, mut signal) = (Vec::with_capacity(all.len()), 0.0, 0.0);
+    for point in 0..all.len() {
+        let share = material.diffuse * over_pi(points, point);
+        let reflected = share * irradiance.values[point] + mirrored.values[point];
+        let of_diffuse = share * irradiance.standard_errors[point];
+        noise += of_diffuse.as_dvec3().length_squared()
+            + mirrored.standard_errors[point].as_dvec3().length_squared();
+        signal += reflected.as_dvec3().length_squared();
+        radiance.push(reflected + emission(points, point));
+    }
+    let noise = if noise == 0.0 { 0.0 } else { (noise / signal).sqrt() };
+    Ok(Shaded { radiance, noise: Some(noise) })
 }
 
 impl Shaded {

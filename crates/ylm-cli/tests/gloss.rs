@@ -44,7 +44,7 @@ fn adaptive_shading_with_thresholds_of_zero_is_the_glossy_picture() {
     assert_eq!(zero["regions"]["specular"]["filtered"], 0.0);
     let error = place.json("compare zero.exr full.exr")["relative_error"].as_f64().unwrap();
     assert!(error <= 1e-6, "{error}");
-    for stages in ["paper", "filter", "steady"] {
+    for stages in ["paper", "filter", "steady", "foreseen"] {
         let some = place.json(&format!(
             "render cube.safetensors -o some.exr --shading adaptive --thresholds 10,10 --stages {stages} {LIGHT}"
         ));
@@ -99,6 +99,26 @@ fn a_spin_writes_numbered_pictures_and_measures_them() {
     place.json(&format!("render cube.safetensors -o white.png --shading glossy --spin 4 {white}"));
     let compared = place.json("compare white-0001.png white-0002.png");
     assert!(compared["rmse"].as_f64().unwrap() <= 1.0 / 255.0, "{compared}");
+}
+
+#[test]
+fn the_reference_is_glossy_where_a_material_is_given() {
+    let place = baked();
+    // Six bands of light on both sides; the bake's 64 rays a vertex are most of the difference.
+    let light = format!("{LIGHT} --light-bands 6");
+    let mean = |arguments: &str| {
+        let told = place.json(&format!("render cube.safetensors -o x.exr {arguments} {light}"));
+        (told["radiance"]["mean"][1].as_f64().unwrap(), told["material"]["specular"].clone())
+    };
+    let material = "--specular 0.5 --diffuse 0.4 --shininess 4";
+    let (glossy, _) = mean(&format!("--shading glossy {material}"));
+    let (reference, specular) = mean(&format!("--shading reference --rays 4096 {material}"));
+    assert!((glossy / reference - 1.0).abs() <= 0.05 && specular == 0.5, "{glossy} {reference}");
+    let (plain, none) = mean("--shading reference --rays 4096");
+    assert!(none.is_null() && (plain / reference - 1.0).abs() > 0.1, "{plain} {reference}");
+    let near = "--light sphere?pos=3,3,3&radius=1 --size 16x16 --shading reference --specular 0.5";
+    let message = place.failure(&format!("render cube.safetensors -o y.png {near}"), 1);
+    assert!(message.contains("this one stands somewhere"), "{message}");
 }
 
 #[test]

@@ -11,7 +11,7 @@ use ylm_prt::shade::adaptive::{
 use ylm_prt::shade::{
     AdaptiveScene, AdaptiveSettings, GlossyLight, GlossyMaterial, SpecularWay, shade_adaptive, shade_glossy,
 };
-use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, bake};
+use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, Bounced, Transfer, bake};
 
 const EYE: Vec3 = Vec3::new(3.0, 1.0, 2.0);
 const MATERIAL: GlossyMaterial = GlossyMaterial { diffuse: 0.8, specular: 0.4, shininess: 20.0 };
@@ -35,11 +35,12 @@ fn coloured(bands: usize) -> LightCoeffs {
 }
 
 fn matrix_light(light: &LightCoeffs) -> GlossyLight {
-    GlossyLight::with_way(light, light.bands, SpecularWay::VertexMatrix).unwrap()
+    GlossyLight::with_way(light, light.bands, SpecularWay::BandForms).unwrap()
 }
 
 fn shade(baked: &Baked, light: &LightCoeffs, settings: &AdaptiveSettings) -> AdaptiveFrame {
-    shade_adaptive(&AdaptiveScene::new(baked), &matrix_light(light), &MATERIAL, EYE, settings).unwrap()
+    let light = GlossyLight::with_way(light, light.bands, settings.light_way()).unwrap();
+    shade_adaptive(&AdaptiveScene::new(baked), &light, &MATERIAL, EYE, settings).unwrap()
 }
 
 /// The largest difference of two lists, over the largest value; NaN is a failure.
@@ -57,7 +58,12 @@ fn thresholds_of_zero_give_the_full_result() {
         for light in [coloured(bands), white] {
             let full = shade_glossy(&baked, &light, &MATERIAL, EYE).unwrap();
             let zero = Thresholds { diffuse: 0.0, specular: 0.0 };
-            for settings in [AdaptiveSettings::PAPER, AdaptiveSettings::FILTER, AdaptiveSettings::STEADY] {
+            for settings in [
+                AdaptiveSettings::PAPER,
+                AdaptiveSettings::FILTER,
+                AdaptiveSettings::STEADY,
+                AdaptiveSettings::FORESEEN,
+            ] {
                 for prediction in [Prediction::None, Prediction::BandEnergies] {
                     let settings = AdaptiveSettings { thresholds: zero, prediction, ..settings };
                     let frame = shade(&baked, &light, &settings);
@@ -185,8 +191,8 @@ fn a_gradual_end_follows_a_turning_light_without_a_step() {
             .map(|frame| {
                 let turned =
                     light.rotated(Quat::from_rotation_y(frame as f32 * 0.05f32.to_radians())).unwrap();
-                let adaptive =
-                    shade_adaptive(&scene, &matrix_light(&turned), &MATERIAL, EYE, &settings).unwrap();
+                let light = GlossyLight::with_way(&turned, turned.bands, settings.light_way()).unwrap();
+                let adaptive = shade_adaptive(&scene, &light, &MATERIAL, EYE, &settings).unwrap();
                 [adaptive.radiance(), shade_glossy(&baked, &turned, &MATERIAL, EYE).unwrap()]
             })
             .collect();
@@ -198,6 +204,8 @@ fn a_gradual_end_follows_a_turning_light_without_a_step() {
         frames.windows(2).flat_map(|pair| points.clone().map(|p| of_pair(pair, p))).fold(0.0f32, f32::max)
     };
     let (sudden, gradual) = (jump(Ending::Sudden), jump(Ending::Gradual));
+    let foreseen = jump(Ending::Foreseen);
+    assert!(foreseen <= 1.0 / 255.0, "{foreseen}");
     // A step of 8 bits, under lamps of thirty times white; measured 0.87 of one, and 51 of a sudden end.
     assert!(gradual <= 1.0 / 255.0 && sudden >= 20.0 * gradual, "{sudden} {gradual}");
 }
@@ -236,6 +244,78 @@ fn the_number_of_threads_does_not_change_the_bytes() {
         pool.install(|| shade(&baked, &light, &AdaptiveSettings::PAPER))
     };
     assert_eq!(run(1), run(3));
+}
+
+#[test]
+fn what_is_foreseen_is_what_the_bands_above_the_base_add() {
+    let (baked, light) = (two_balls(9), coloured(9));
+    let full = shade_glossy(&baked, &light, &MATERIAL, EYE).unwrap();
+    let frames = [0.25f32, 1.0, 4.0].map(|factor| {
+        let thresholds = Thresholds::PAPER.scaled(factor);
+        shade(&baked, &light, &AdaptiveSettings { thresholds, ..AdaptiveSettings::FORESEEN })
+    });
+    let base = shade(
+        &baked,
+        &light,
+        &AdaptiveSettings { thresholds: Thresholds::PAPER.scaled(1e6), ..AdaptiveSettings::FORESEEN },
+    );
+    assert_eq!(base.specular.filtered_share(9), 1.0);
+    let squares =
+        |radiance: &[Vec3]| radiance.iter().zip(&full).map(|(a, b)| (a - b).length_squared()).sum::<f32>();
+    let missing = squares(&base.radiance());
+    for (frame, most) in frames.iter().zip([1e-4, 0.1, 0.6]) {
+        let share = frame.specular.filtered_share(9);
+        let left = squares(&frame.radiance()) / missing;
+        assert!(left <= most, "{share} filtered, {left:e} of the squares left");
+    }
+    assert!(frames[0].specular.filtered_share(9) < frames[2].specular.filtered_share(9));
+    // Selected points are the full calculation's, to rounding.
+    for (point, stage) in frames[1].specular.stages.iter().enumerate() {
+        if *stage == Stage::Selected && frames[1].diffuse.stages[point] == Stage::Selected {
+            assert!((frames[1].radiance()[point] - full[point]).abs().max_element() <= 1e-5);
+        }
+    }
+}
+
+#[test]
+fn bounced_light_joins_the_base() {
+    let mut baked = two_balls(6);
+    let width = 36;
+    let count = baked.points.positions.len();
+    // As if half of the direct light bounced back once, and one point shone.
+    let layer =
+        baked.transfer.vectors.chunks(width).flat_map(|row| [row; 3].concat()).map(|t| 0.5 * t).collect();
+    baked.transfer.bounced = Some(Bounced {
+        layers: vec![layer],
+        emitted: vec![vec![[0.25, 0.5, 0.0]; count]],
+        energies: vec![[0.5; 3]],
+    });
+    baked.points.emission = Some((0..count).map(|k| [if k == 3 { 2.0 } else { 0.0 }, 0.0, 0.0]).collect());
+    let light = coloured(6);
+    let full = shade_glossy(&baked, &light, &MATERIAL, EYE).unwrap();
+    let thresholds = Thresholds { diffuse: 0.0, specular: 0.0 };
+    for settings in [AdaptiveSettings::PAPER, AdaptiveSettings::FORESEEN] {
+        let frame = shade(&baked, &light, &AdaptiveSettings { thresholds, ..settings });
+        assert!(difference(&frame.radiance(), &full) <= 1e-6, "{settings:?}");
+        // In full, whatever the thresholds.
+        let base = shade(
+            &baked,
+            &light,
+            &AdaptiveSettings { thresholds: Thresholds::PAPER.scaled(1e6), ..settings },
+        );
+        let direct = Baked {
+            transfer: Transfer { bounced: None, ..baked.transfer.clone() },
+            points: LightingPoints { emission: None, ..baked.points.clone() },
+            ..baked.clone()
+        };
+        let without = shade(
+            &direct,
+            &light,
+            &AdaptiveSettings { thresholds: Thresholds::PAPER.scaled(1e6), ..settings },
+        );
+        let shone = base.diffuse.radiance[3] - without.diffuse.radiance[3];
+        assert!(shone.x > 2.0, "{settings:?}: {shone}");
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::light::LightCoeffs;
-use crate::shade::bounced::leaving;
+use crate::shade::bounced::{emission_of, leaving};
 use crate::shade::grey;
 use crate::transfer::Baked;
 
@@ -43,6 +43,36 @@ fn shade_by<const N: usize>(baked: &Baked, light: [&[f32]; N], tint: Vec3) -> Ve
         }
     });
     radiance
+}
+
+/// Adds the light that the points from `first` on reflect in all directions, times `share`, and what they send out.
+pub(super) fn add_diffuse<const N: usize>(
+    baked: &Baked,
+    first: usize,
+    radiance: &mut [Vec3],
+    light: [&[f32]; N],
+    tint: Vec3,
+    share: f32,
+) {
+    let width = baked.transfer.bands.coeff_count();
+    let vectors = baked.transfer.vectors[first * width..].chunks_exact(width);
+    for (k, (radiance, vector)) in radiance.iter_mut().zip(vectors).enumerate() {
+        *radiance += diffuse_share(baked, first + k, vector, light, tint, share);
+    }
+}
+
+/// The same of one point, by the bands that `vector` has of its transfer.
+pub(super) fn diffuse_share<const N: usize>(
+    baked: &Baked,
+    point: usize,
+    vector: &[f32],
+    light: [&[f32]; N],
+    tint: Vec3,
+    share: f32,
+) -> Vec3 {
+    let emission = emission_of(baked, point);
+    let leaves = leaving(baked, point, irradiance(vector, light), light, tint);
+    share * (leaves - emission) + emission
 }
 
 /// What a diffuse surface makes of irradiance: ρ/π E.

@@ -4,12 +4,14 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 use ylm::Level;
+use ylm::product::band_forms::BandForms;
 use ylm::zonal::Zonal;
 
 use super::scene::AdaptiveScene;
 use super::settings::{AdaptiveSettings, Ending, Prediction, weight_left};
-use crate::error::Result;
-use crate::shade::glossy::{CHUNK, GlossyLight, GlossyMaterial, dot, turn_lobes};
+use crate::error::{Error, Result};
+use crate::shade::bounced::{emission_of, leaving};
+use crate::shade::glossy::{CHUNK, GlossyLight, GlossyMaterial, axes_of, turn_lobes};
 
 /// Where a point has got to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,8 +55,6 @@ pub(super) struct Scratch {
     axes: Vec<[f32; 3]>,
     lobes: Vec<f32>,
     transfer: Vec<f32>,
-    /// [channel, n²].
-    received: Vec<f32>,
     pub points: Vec<u32>,
 }
 
@@ -105,17 +105,21 @@ impl<'a> Diffuse<'a> {
         material: GlossyMaterial,
         settings: &'a AdaptiveSettings,
     ) -> Self {
-        let norm = |l: usize| {
-            let of_channel =
-                |(channel, tint): (&Vec<f32>, f32)| tint * dot_self(&channel[l * l..(l + 1) * (l + 1)]);
-            let tints = light.tint.to_array();
-            let tint_of =
-                |c: usize| if light.channels.len() == 1 { light.tint.max_element() } else { tints[c] };
-            let channels = light.channels.iter().enumerate().map(|(c, channel)| (channel, tint_of(c)));
-            channels.map(of_channel).fold(0.0, f32::max)
+        Self { scene, light, material, settings, light_norms: light_norms(light) }
+    }
+
+    /// What bounced light adds, in all of its bands, and what the point sends out: part of the base.
+    fn around(&self, point: usize) -> Vec3 {
+        let (baked, tint) = (self.scene.baked, self.light.tint);
+        let emission = emission_of(baked, point);
+        if baked.transfer.bounced.is_none() {
+            return emission;
+        }
+        let leaves = match self.light.channels.as_slice() {
+            [r, g, b] => leaving(baked, point, Vec3::ZERO, [r, g, b], tint),
+            channels => leaving(baked, point, Vec3::ZERO, [&channels[0]], tint),
         };
-        let light_norms = (0..scene.band_count()).map(norm).collect();
-        Self { scene, light, material, settings, light_norms }
+        self.material.diffuse * (leaves - emission) + emission
     }
 
     /// The most that the bands above the base can add.
@@ -125,7 +129,23 @@ impl<'a> Diffuse<'a> {
     }
 }
 
-fn dot_self(v: &[f32]) -> f32 {
+/// The light's norm in each band, the largest of the channels.
+pub(super) fn light_norms(light: &GlossyLight) -> Vec<f32> {
+    let norm = |l: usize| {
+        let of_channel =
+            |(channel, tint): (&Vec<f32>, f32)| tint * dot_self(&channel[l * l..(l + 1) * (l + 1)]);
+        let channels = light.channels.iter().enumerate();
+        channels.map(|(c, channel)| of_channel((channel, tint_of(light, c)))).fold(0.0, f32::max)
+    };
+    (0..light.bands().count()).map(norm).collect()
+}
+
+/// What the largest of the colours of a channel is multiplied by.
+pub(super) fn tint_of(light: &GlossyLight, channel: usize) -> f32 {
+    if light.channels.len() == 1 { light.tint.max_element() } else { light.tint[channel] }
+}
+
+pub(super) fn dot_self(v: &[f32]) -> f32 {
     v.iter().map(|x| x * x).sum::<f32>().sqrt()
 }
 
@@ -148,7 +168,7 @@ impl Part for Diffuse<'_> {
                         _ => Vec3::from([0, 1, 2].map(channel)),
                     }
             };
-            let base = factor * (0..base_bands).map(of_band).sum::<Vec3>();
+            let base = factor * (0..base_bands).map(of_band).sum::<Vec3>() + self.around(point);
             let mut path = Path::new(base, base_bands, until, self.settings, self.threshold());
             let is_left_out =
                 matches!((until, self.settings.prediction), (Until::Filtered, Prediction::BandEnergies))
@@ -170,11 +190,12 @@ impl Part for Diffuse<'_> {
     }
 }
 
-/// Σ R_i α_i Y_i(r), R of band after band: [LK14] 4.3, Algorithm 3.
+/// Σ R_i α_i Y_i(r), of band after band: [LK14] 4.3, Algorithm 3.
 pub(super) struct Specular<'a> {
     pub scene: &'a AdaptiveScene<'a>,
-    /// Made for a way by matrix.
     pub light: &'a GlossyLight,
+    /// Of the light.
+    pub forms: &'a BandForms<f32>,
     pub lobe: Zonal<f32>,
     pub eye: Vec3,
     pub settings: &'a AdaptiveSettings,
@@ -185,17 +206,12 @@ impl Part for Specular<'_> {
         for (points, out) in points.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
             let lit = &self.scene.baked.points;
             let at = points.iter().map(|&p| p as usize);
-            turn_lobes(&self.lobe, lit, at, self.eye, &mut scratch.axes, &mut scratch.lobes)?;
+            axes_of(lit, at, self.eye, &mut scratch.axes);
+            turn_lobes(&self.lobe, &scratch.axes, &mut scratch.lobes)?;
             let width = self.lobe.bands().coeff_count();
             for (k, (&point, out)) in points.iter().zip(out).enumerate() {
                 let lobe = &scratch.lobes[k * width..][..width];
-                *out = self.climb_one(
-                    point as usize,
-                    until,
-                    lobe,
-                    &mut scratch.transfer,
-                    &mut scratch.received,
-                )?;
+                *out = self.climb_one(point as usize, until, lobe, &mut scratch.transfer)?;
             }
         }
         Ok(())
@@ -207,44 +223,23 @@ impl Part for Specular<'_> {
 }
 
 impl Specular<'_> {
-    fn climb_one(
-        &self,
-        point: usize,
-        until: Until,
-        lobe: &[f32],
-        transfer: &mut Vec<f32>,
-        received: &mut Vec<f32>,
-    ) -> Result<Climb> {
-        let (band_count, width) = (self.scene.band_count(), lobe.len());
-        let (matrices, level) = (self.light.matrices(), Level::best());
-        let base_bands = self.settings.base_bands.min(band_count);
+    fn climb_one(&self, point: usize, until: Until, lobe: &[f32], transfer: &mut Vec<f32>) -> Result<Climb> {
+        let base_bands = self.settings.base_bands.min(self.scene.band_count());
         transfer.clear();
-        (0..base_bands).for_each(|l| transfer.extend_from_slice(self.scene.level(point, l)));
-        received.clear();
-        received.resize(matrices.len() * width, 0.0);
-        let base_count = base_bands * base_bands;
-        for (matrix, received) in matrices.iter().zip(received.chunks_exact_mut(width)) {
-            matrix.add_block(0..base_count, 0..base_count, transfer, received, level)?;
-        }
-        let reflected = |received: &[f32], count: usize| {
-            let channel = |c: usize| dot(&received[c * width..][..count], &lobe[..count]);
-            self.light.tint
-                * match matrices.len() {
-                    1 => Vec3::splat(channel(0)),
-                    _ => Vec3::from([0, 1, 2].map(channel)),
-                }
-        };
-        let base = reflected(received, base_count);
-        let mut path = Path::new(base, base_bands, until, self.settings, self.threshold());
-        for l in base_bands..band_count {
-            let (before, now) = (l * l, (l + 1) * (l + 1));
+        let mut sums = [0.0; 3];
+        let sums = &mut sums[..self.light.channels.len()];
+        let mut add_band = |l: usize| {
             transfer.extend_from_slice(self.scene.level(point, l));
-            for (matrix, received) in matrices.iter().zip(received.chunks_exact_mut(width)) {
-                // The band's rows need all of the transfer so far; the rows before them only the band's.
-                matrix.add_block(before..now, 0..now, transfer, received, level)?;
-                matrix.add_block(0..before, before..now, transfer, received, level)?;
-            }
-            if !path.step(reflected(received, now) - base) {
+            self.forms.add_band(l, lobe, transfer, sums, Level::best())?;
+            Ok::<_, Error>(self.light.colour(sums))
+        };
+        let mut base = Vec3::ZERO;
+        for l in 0..base_bands {
+            base = add_band(l)?;
+        }
+        let mut path = Path::new(base, base_bands, until, self.settings, self.threshold());
+        for l in base_bands..self.scene.band_count() {
+            if !path.step(add_band(l)? - base) {
                 break;
             }
         }

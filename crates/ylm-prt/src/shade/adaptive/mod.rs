@@ -7,6 +7,7 @@
 //! Errors of filtered points are not bounded by the threshold: a band may add nothing where a later one would.
 
 mod climb;
+mod foresee;
 mod goal;
 mod region;
 mod scene;
@@ -42,7 +43,8 @@ impl AdaptiveFrame {
 
 /// The radiance that leaves each lighting point of a glossy scene towards an eye, computed where it shows.
 ///
-/// Bands end where their light ends to show; see [`AdaptiveSettings`]. Direct light alone.
+/// Bands end where their light ends to show; see [`AdaptiveSettings`]. Direct light is reflected by both parts of the material; light that
+/// bounced, in all of its bands, by the diffuse part, whose base it joins.
 ///
 /// Error: against [`super::shade_glossy`], with thresholds of 0 at most 1e-6 of the largest radiance (test
 /// `thresholds_of_zero_give_the_full_result`); otherwise bench `lee-table1`.
@@ -50,8 +52,8 @@ impl AdaptiveFrame {
 /// of threads.
 ///
 /// # Errors
-/// If the light was made for another number of bands, or for another way than by matrix, a setting is out of range, or the transfer is
-/// interreflected.
+/// If the light was made for another number of bands, or for another way than [`AdaptiveSettings::light_way`] says, or a setting is out of
+/// range.
 ///
 /// [LK14] Algorithms 1–3
 pub fn shade_adaptive(
@@ -63,21 +65,24 @@ pub fn shade_adaptive(
 ) -> Result<AdaptiveFrame> {
     settings.check()?;
     let bands = light.bands();
-    if bands != scene.baked.transfer.bands || light.matrices().is_empty() {
-        return Err(Error::Request(format!(
-            "adaptive shading of {} bands needs a light of as many, made for a way by matrix",
-            scene.band_count()
-        )));
+    let unfit = || {
+        Error::Request(format!(
+            "adaptive shading of {} bands needs a light of as many, made for the way {:?}",
+            scene.band_count(),
+            settings.light_way()
+        ))
+    };
+    if bands != scene.baked.transfer.bands {
+        return Err(unfit());
     }
-    if scene.baked.transfer.bounced.is_some() {
-        return Err(Error::Request(
-            "adaptive shading knows direct light alone; bake with --transfer shadowed, or shade in full"
-                .to_owned(),
-        ));
+    if settings.ending == Ending::Foreseen {
+        let (grid, values) = light.on_grid().ok_or_else(unfit)?;
+        return foresee::shade(scene, light, grid, values, material, eye, settings);
     }
+    let forms = light.band_forms().ok_or_else(unfit)?;
     let lobe = material.lobe(bands)?;
     let diffuse = Diffuse::new(scene, light, *material, settings);
-    let specular = Specular { scene, light, lobe, eye, settings };
+    let specular = Specular { scene, light, forms, lobe, eye, settings };
     Ok(AdaptiveFrame {
         diffuse: region::shade(&diffuse, scene, settings)?,
         specular: region::shade(&specular, scene, settings)?,

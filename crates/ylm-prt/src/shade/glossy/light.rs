@@ -1,11 +1,13 @@
 //! A light made ready for glossy reflection, and the ways to reflect it.
 
 use glam::Vec3;
-use ylm::product::grid::{Factor, Grid, Values};
+use ylm::product::band_forms::BandForms;
+use ylm::product::grid::{Grid, Values};
 use ylm::product::matrix::ProductMatrix;
+use ylm::zonal::Zonal;
 use ylm::{Bands, Level, Workspace};
 
-use super::{CHUNK, GlossyMaterial, check_bands, each_chunk, turn_lobes};
+use super::{CHUNK, GlossyMaterial, axes_of, check_bands, each_chunk, turn_lobes};
 use crate::error::Result;
 use crate::light::LightCoeffs;
 use crate::shade::grey;
@@ -18,6 +20,8 @@ pub enum SpecularWay {
     VertexMatrix,
     /// The same matrix times many transfer vectors at once.
     BatchedMatrix,
+    /// The two halves of the same matrix at once, band after band: what adaptive shading climbs by.
+    BandForms,
     /// The integral of light, transfer and lobe in quadrature space: O(n³) a point.
     #[default]
     Quadrature,
@@ -25,7 +29,7 @@ pub enum SpecularWay {
 
 impl SpecularWay {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::VertexMatrix, Self::BatchedMatrix, Self::Quadrature];
+    pub const ALL: [Self; 4] = [Self::VertexMatrix, Self::BatchedMatrix, Self::BandForms, Self::Quadrature];
 }
 
 /// A light of n bands that is ready to be multiplied with transfer.
@@ -43,12 +47,13 @@ pub struct GlossyLight {
 enum Kind {
     VertexMatrix(Vec<ProductMatrix<f32>>),
     BatchedMatrix(Vec<ProductMatrix<f32>>),
+    BandForms(BandForms<f32>),
     Quadrature { grid: Grid<f32>, light: Vec<Values<f32>> },
 }
 
 /// Buffers of a thread.
 #[derive(Default)]
-struct Scratch {
+pub(super) struct Scratch {
     workspace: Workspace,
     axes: Vec<[f32; 3]>,
     lobes: Vec<f32>,
@@ -76,17 +81,21 @@ impl GlossyLight {
             None => (Vec3::ONE, light.channels.to_vec()),
         };
         let mut workspace = Workspace::new();
-        let kind = if way == SpecularWay::Quadrature {
-            let grid = Grid::new(bands, 2)?;
-            let light = channels.iter().map(|c| grid.values(c, &mut workspace));
-            let light = light.collect::<ylm::Result<_>>()?;
-            Kind::Quadrature { grid, light }
-        } else {
-            let matrices = channels.iter().map(|c| ProductMatrix::new(c, &mut workspace));
-            let matrices = matrices.collect::<ylm::Result<_>>()?;
-            match way {
-                SpecularWay::VertexMatrix => Kind::VertexMatrix(matrices),
-                _ => Kind::BatchedMatrix(matrices),
+        let mut matrices = || -> ylm::Result<Vec<_>> {
+            channels.iter().map(|c| ProductMatrix::new(c, &mut workspace)).collect()
+        };
+        let kind = match way {
+            SpecularWay::VertexMatrix => Kind::VertexMatrix(matrices()?),
+            SpecularWay::BatchedMatrix => Kind::BatchedMatrix(matrices()?),
+            SpecularWay::BandForms => {
+                let slices: Vec<&[f32]> = channels.iter().map(Vec::as_slice).collect();
+                Kind::BandForms(BandForms::new(&slices, &mut workspace)?)
+            }
+            SpecularWay::Quadrature => {
+                let grid = Grid::new(bands, 2)?;
+                let light = channels.iter().map(|c| grid.values(c, &mut workspace));
+                let light = light.collect::<ylm::Result<_>>()?;
+                Kind::Quadrature { grid, light }
             }
         };
         Ok(Self { bands, tint, channels, kind })
@@ -97,12 +106,27 @@ impl GlossyLight {
         self.bands
     }
 
-    /// The light's product matrices, one a channel; none unless it was made for a way by matrix.
-    pub(in crate::shade) fn matrices(&self) -> &[ProductMatrix<f32>] {
+    /// The light's product matrices band by band, if it was made for that way.
+    pub(in crate::shade) fn band_forms(&self) -> Option<&BandForms<f32>> {
         match &self.kind {
-            Kind::VertexMatrix(matrices) | Kind::BatchedMatrix(matrices) => matrices,
-            Kind::Quadrature { .. } => &[],
+            Kind::BandForms(forms) => Some(forms),
+            _ => None,
         }
+    }
+
+    /// The grid and the light's values on it, if it was made for that way.
+    pub(in crate::shade) fn on_grid(&self) -> Option<(&Grid<f32>, &[Values<f32>])> {
+        match &self.kind {
+            Kind::Quadrature { grid, light } => Some((grid, light)),
+            _ => None,
+        }
+    }
+
+    /// The colour of what the channels give.
+    pub(in crate::shade) fn colour(&self, of_channels: &[f32]) -> Vec3 {
+        let count = of_channels.len().max(1);
+        self.tint
+            * Vec3::from_array(std::array::from_fn(|c| of_channels.get(c % count).copied().unwrap_or(0.0)))
     }
 
     /// The specular radiance of each lighting point towards an eye.
@@ -111,26 +135,42 @@ impl GlossyLight {
     /// If the transfer has another number of bands, or a number of the material is negative or not finite.
     pub fn reflect(&self, baked: &Baked, material: &GlossyMaterial, eye: Vec3) -> Result<Vec<Vec3>> {
         check_bands(baked, self.bands)?;
-        let (points, width) = (&baked.points, self.bands.coeff_count());
         let lobe = material.lobe(self.bands)?;
-        each_chunk(points.positions.len(), |first, radiance, scratch: &mut Scratch| {
-            let range = first..first + radiance.len();
-            turn_lobes(&lobe, points, range.clone(), eye, &mut scratch.axes, &mut scratch.lobes)?;
-            let vectors = &baked.transfer.vectors[range.start * width..range.end * width];
-            self.integrate(vectors, scratch)?;
-            let channels = self.channels.len();
-            for (radiance, of_point) in radiance.iter_mut().zip(scratch.integrals.chunks_exact(channels)) {
-                *radiance = self.tint * Vec3::from_array(std::array::from_fn(|c| of_point[c % channels]));
-            }
-            Ok(())
+        each_chunk(baked.points.positions.len(), |first, radiance, scratch| {
+            self.reflect_chunk(baked, &lobe, eye, first, radiance, scratch)
         })
     }
 
-    /// Writes `scratch.integrals` [point, channel] of transfer vectors and the lobes in `scratch`.
-    fn integrate(&self, vectors: &[f32], scratch: &mut Scratch) -> Result<()> {
-        let Scratch { workspace, lobes, received, integrals, .. } = scratch;
+    /// The same of the points from `first` on.
+    pub(super) fn reflect_chunk(
+        &self,
+        baked: &Baked,
+        lobe: &Zonal<f32>,
+        eye: Vec3,
+        first: usize,
+        radiance: &mut [Vec3],
+        scratch: &mut Scratch,
+    ) -> Result<()> {
+        let width = self.bands.coeff_count();
+        let range = first..first + radiance.len();
+        axes_of(&baked.points, range.clone(), eye, &mut scratch.axes);
+        self.integrate(&baked.transfer.vectors[range.start * width..range.end * width], lobe, scratch)?;
+        for (radiance, of_point) in
+            radiance.iter_mut().zip(scratch.integrals.chunks_exact(self.channels.len()))
+        {
+            *radiance = self.colour(of_point);
+        }
+        Ok(())
+    }
+
+    /// Writes `scratch.integrals` [point, channel] of transfer vectors and the lobe around the axes in `scratch`.
+    fn integrate(&self, vectors: &[f32], lobe: &Zonal<f32>, scratch: &mut Scratch) -> Result<()> {
+        let Scratch { workspace, axes, lobes, received, integrals } = scratch;
         let (width, channels) = (self.bands.coeff_count(), self.channels.len());
-        integrals.resize(vectors.len() / width * channels, 0.0);
+        integrals.resize(axes.len() * channels, 0.0);
+        if !matches!(self.kind, Kind::Quadrature { .. }) {
+            turn_lobes(lobe, axes, lobes)?;
+        }
         match &self.kind {
             Kind::VertexMatrix(matrices) => {
                 received.resize(width, 0.0);
@@ -153,9 +193,16 @@ impl GlossyLight {
                     }
                 }
             }
+            Kind::BandForms(forms) => {
+                integrals.fill(0.0);
+                let points = vectors.chunks_exact(width).zip(lobes.chunks_exact(width));
+                for ((vector, lobe), integrals) in points.zip(integrals.chunks_exact_mut(channels)) {
+                    (0..self.bands.count())
+                        .try_for_each(|l| forms.add_band(l, lobe, vector, integrals, Level::best()))?;
+                }
+            }
             Kind::Quadrature { grid, light } => {
-                let factors = [Factor::Rows(vectors), Factor::Rows(lobes)];
-                grid.integrals_against(&factors, light, integrals, workspace)?;
+                grid.lobe_integrals(vectors, lobe, axes, light, integrals, workspace)?;
             }
         }
         Ok(())

@@ -6,7 +6,7 @@ use ylm::product::grid::{Factor, Grid};
 use ylm::{Bands, Workspace};
 
 use super::light::dot;
-use super::{GlossyLight, GlossyMaterial, check_bands, each_chunk, turn_lobes};
+use super::{GlossyLight, GlossyMaterial, axes_of, check_bands, each_chunk, turn_lobes};
 use crate::error::Result;
 use crate::transfer::Baked;
 
@@ -66,7 +66,8 @@ impl Received {
         let width = self.bands.coeff_count();
         each_chunk(baked.points.positions.len(), |first, radiance, scratch: &mut Scratch| {
             let range = first..first + radiance.len();
-            turn_lobes(&lobe, &baked.points, range, eye, &mut scratch.axes, &mut scratch.lobes)?;
+            axes_of(&baked.points, range, eye, &mut scratch.axes);
+            turn_lobes(&lobe, &scratch.axes, &mut scratch.lobes)?;
             let received = self.coeffs[first * self.channels * width..].chunks_exact(self.channels * width);
             for ((radiance, received), lobe) in
                 radiance.iter_mut().zip(received).zip(scratch.lobes.chunks_exact(width))
