@@ -186,7 +186,7 @@ def test_a_callback_watches_and_stops_a_bake():
         ylm.bake(scene, bands=12, rays=1 << 20, progress=fail)
 
 
-def test_ctrl_c_stops_a_bake_at_once():
+def test_ctrl_c_stops_a_bake():
     """A bake of hours, interrupted as a terminal does it."""
     sent = []
 

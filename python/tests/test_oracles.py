@@ -128,13 +128,33 @@ def test_a_zonal_kernel_convolves_as_quadrature_does(random, directions):
     assert np.abs(found - expected).max() <= 2e-5
 
 
-def test_the_gaunt_tensor_is_quadrature(random):
-    directions, weights = scipy_grid(9)
-    basis = scipy_basis(directions, 4)
-    dense = np.einsum("d,di,dj,dk->ijk", weights, basis, basis, basis)
-    indices, values = ylm.gaunt(4)
+@pytest.mark.parametrize("bands", [4, 8])
+def test_the_gaunt_tensor_is_quadrature(bands):
+    directions, weights = scipy_grid(3 * (bands - 1))
+    basis = scipy_basis(directions, bands)
+    dense = np.einsum("d,di,dj,dk->ijk", weights, basis, basis, basis, optimize=True)
+    indices, values = ylm.gaunt(bands)
     i, j, k = indices.T
-    assert np.abs(dense[i, j, k] - values).max() <= 1e-13
+    assert np.abs(dense[i, j, k] - values).max() <= 1e-14
     dense[i, j, k] = 0
-    assert np.abs(dense).max() <= 1e-13
+    assert np.abs(dense).max() <= 1e-14
     assert ylm.tripling_coefficient(*indices[7]) == pytest.approx(values[7], abs=1e-15)
+
+
+@pytest.mark.parametrize("degree", [20, 100, 250])
+def test_a_grid_integrates_harmonics_up_to_its_degree(degree):
+    directions, weights = ylm.sphere_grid(degree)
+    integrals = ylm.project_values(weights, directions, degree + 1)
+    integrals[0] -= np.sqrt(4 * np.pi)
+    # Measured 5e-14 at degree 250.
+    assert np.abs(integrals).max() <= 1e-13
+
+
+@pytest.mark.parametrize(
+    "layout, shape",
+    [("latlong", (32, 64)), ("cube-column", (96, 16)), ("angular", (64, 64)), ("mirror", (64, 64)), ("vertical-cross", (64, 48))],
+)
+def test_the_texels_of_a_layout_cover_the_sphere_once(layout, shape):
+    _, solid_angles = ylm.image_texels(*shape, layout)
+    # Measured 3e-14 for the angular map.
+    assert abs(solid_angles.sum() / (4 * np.pi) - 1) <= 1e-13

@@ -235,7 +235,7 @@ def gaunt(bands: int) -> tuple[Array, Array]:
 
     Notes
     -----
-    Error: 1e-14. Source: Green 2003, "SH triple products"; Wigner's 3j symbols.
+    Error: 1e-14 at 8 bands (tests/test_oracles.py). Source: Green 2003, "SH triple products"; Wigner's 3j symbols.
 
     Examples
     --------
@@ -259,7 +259,7 @@ def tripling_coefficient(i: int, j: int, k: int) -> float:
 
     Notes
     -----
-    Error: 1e-14.
+    Error: as `gaunt`.
 
     Examples
     --------
