@@ -18,6 +18,7 @@ mod lee_table2;
 mod local_light;
 mod machine;
 mod mezieres_fig2;
+mod mezieres_pixels;
 mod mezieres_table2;
 mod plan;
 mod products;
@@ -66,6 +67,8 @@ const BENCHES: &[Bench] = &[
     ("cheap-forms", cheap_forms::run),
     ("local-light", local_light::run),
     ("proxy-shadow", proxy_shadow::run),
+    ("mezieres-table1", mezieres_pixels::run_table1),
+    ("mezieres-fig5", mezieres_pixels::run_fig5),
     ("rotate", rotate::run),
     ("plan", plan::run),
     ("mezieres-fig2", mezieres_fig2::run),

@@ -16,7 +16,7 @@ use crate::view::Shading;
 /// `--shininess` and what goes with it.
 #[derive(clap::Args)]
 pub struct GlossOptions {
-    /// Exponent of the Phong lobe of --shading glossy, adaptive, roi, or of a glossy --shading reference (default: 20)
+    /// Exponent of the Phong lobe of --shading glossy, adaptive, roi or per-pixel, or of a glossy --shading reference (default: 20)
     #[arg(long, value_parser = options::not_negative, value_name = "S")]
     shininess: Option<f32>,
     /// Part of the albedo that glossy shading reflects in all directions (default: 0.8)
@@ -67,7 +67,7 @@ impl GlossOptions {
     /// # Errors
     /// The line that says so.
     pub fn check(&self, shading: Shading) -> std::result::Result<(), String> {
-        let has_material = shading.is_glossy() || shading == Shading::Reference;
+        let has_material = shading.has_lobe() || shading == Shading::Reference;
         let given = [
             ("--shininess", self.shininess.is_some(), has_material),
             ("--diffuse", self.diffuse.is_some(), has_material),
@@ -164,7 +164,7 @@ impl GlossOptions {
     pub fn value(&self, shading: Shading) -> Value {
         let material = match shading {
             Shading::Reference => self.reference_material(),
-            _ => shading.is_glossy().then(|| self.material()),
+            _ => shading.has_lobe().then(|| self.material()),
         };
         material.map_or(Value::Null, |GlossyMaterial { diffuse, specular, shininess }| {
             json!({ "diffuse": diffuse, "specular": specular, "shininess": shininess })

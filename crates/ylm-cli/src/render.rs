@@ -2,6 +2,7 @@
 
 mod brdf;
 mod moving;
+mod per_pixel;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -40,7 +41,8 @@ use moving::MovingOptions;
 #[derive(clap::Args)]
 #[command(after_help = options::LIGHT_HELP)]
 pub struct Arguments {
-    /// A file that `ylm bake` wrote, or the .json of a scene of moving objects (docs/format.md)
+    /// A file that `ylm bake` wrote, or the .json of a scene of moving objects (docs/format.md); for --shading per-pixel a
+    /// model will do
     baked: PathBuf,
     /// A probe, a formula, or a sum; see below. A scene has a light of its own, and this takes its place
     #[arg(long, value_name = "LIGHT")]
@@ -125,6 +127,9 @@ impl Arguments {
             return Err("--window auto:points looks at diffuse shading; give auto or a width".to_owned());
         }
         self.gloss.check(self.shading)?;
+        if self.shading == Shading::PerPixel {
+            self.check_per_pixel()?;
+        }
         if self.spin.is_some() && self.shading == Shading::Reference {
             return Err("--spin is for shading in real time, and --shading reference is not".to_owned());
         }
@@ -159,6 +164,9 @@ impl Arguments {
 pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     if arguments.is_moving() {
         return moving::run(arguments, output);
+    }
+    if arguments.shading == Shading::PerPixel {
+        return per_pixel::run(arguments, output);
     }
     let spec = arguments.light.as_deref().unwrap_or_default();
     let turns = arguments.spin.map(|frame_count| spin::turns(frame_count, &arguments.output));

@@ -11,7 +11,7 @@ use ylm_prt::transfer::Baked;
 use crate::options;
 
 /// `--shading`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Shading {
     /// Dot products of baked transfer and the light's coefficients
     Diffuse,
@@ -27,6 +27,8 @@ pub enum Shading {
     FieldChain,
     /// Of such a scene: objects as balls, by SH exponentiation; the compared method
     Shexp,
+    /// Every pixel by itself, diffuse and specular, with nothing baked: of a model or a baked scene
+    PerPixel,
     /// Brute force: rays from every vertex into the light, no spherical harmonics
     Reference,
     /// What --band alone adds, in false colours of its luminance: blue below 0, white at 0, red above
@@ -49,6 +51,11 @@ impl Shading {
     /// Whether the surface is glossy.
     pub fn is_glossy(self) -> bool {
         matches!(self, Self::Glossy) || self.is_adaptive()
+    }
+
+    /// Whether there is a material beside the albedo.
+    pub fn has_lobe(self) -> bool {
+        self.is_glossy() || matches!(self, Self::PerPixel)
     }
 
     /// Whether bands are computed where they show.
@@ -132,6 +139,7 @@ impl ViewOptions {
                 | Shading::FieldExact
                 | Shading::FieldChain
                 | Shading::Shexp
+                | Shading::PerPixel
                 | Shading::Reference,
                 _,
             ) => Colours::Radiance,

@@ -9,6 +9,7 @@
 //! | [`shade_brdf`] | any, reflected by any material | O(n³) |
 //! | [`shade_adaptive`] | the same, all bands only where they show | what the light of each point needs |
 //! | [`shade_fields`] | any, behind objects that move | a product of as many functions as objects are near |
+//! | [`PixelShader`] | any, at each pixel; nothing baked | O(n²) a sphere light, O(n³) light from far away |
 //! | [`shade_linear`] | 2 bands, no shadows, nothing baked | 4 multiply-adds a channel |
 
 pub mod adaptive;
@@ -24,7 +25,9 @@ mod incident;
 mod linear;
 mod monochrome;
 mod near;
+mod per_pixel;
 mod ringing;
+pub mod separable;
 mod shadowed;
 
 pub use adaptive::{AdaptiveScene, AdaptiveSettings, shade_adaptive};
@@ -37,5 +40,7 @@ pub use incident::{Far, Incident, shade_diffuse_under};
 pub use linear::{LinearIrradiance, shade_linear};
 pub use monochrome::{Monochrome, shade_monochrome};
 pub use near::{AtEachPoint, Blend, LightSamples, MAX_SAMPLES, Project};
+pub use per_pixel::PixelShader;
 pub use ringing::least_nonnegative_at_points;
+pub use separable::{Packing, Receiver};
 pub use shadowed::Shadowed;
