@@ -45,10 +45,12 @@ $(VENV)/ready $(PYTHON_VENV)/ready:
 	$(@D)/bin/pip install --quiet --requirement $<
 	touch $@
 
-# The extension that cargo built stands beside the Python files; types are checked, then everything runs.
+# The extension that cargo built stands beside the Python files; types are checked, then everything runs. `cargo test` leaves it in
+# deps, `cargo build` beside it as well: the newest is the one.
+BUILT = $${CARGO_TARGET_DIR:-target}/debug
 define TEST_PYTHON
-	cp $$(ls -t $${CARGO_TARGET_DIR:-target}/debug/lib_native.so $${CARGO_TARGET_DIR:-target}/debug/lib_native.dylib 2>/dev/null | head -1) \
-		python/ylm/_native.abi3.so
+	cp $$(ls -t $(BUILT)/lib_native.so $(BUILT)/deps/lib_native.so $(BUILT)/lib_native.dylib $(BUILT)/deps/lib_native.dylib \
+		2>/dev/null | head -1) python/ylm/_native.abi3.so
 	cd python && .venv/bin/mypy && .venv/bin/python -m mypy.stubtest ylm._native
 	cd python && .venv/bin/basedpyright --pythonpath .venv/bin/python --level error
 	cd python && .venv/bin/python -m pytest
