@@ -171,9 +171,9 @@ pub fn run_table1(options: &Options) -> Vec<Table> {
     ];
     // Inside of the hall, above its floor.
     const HALL: [[f32; 7]; 3] = [
-        [0.1, -0.1, 0.1, 0.05, 0.5, 0.42, 0.3],
-        [-0.3, 0.0, -0.15, 0.05, 0.2, 0.3, 0.55],
-        [0.4, -0.15, -0.1, 0.04, 0.3, 0.12, 0.08],
+        [0.1, -0.12, 0.05, 0.05, 0.05, 0.042, 0.03],
+        [-0.3, -0.05, -0.1, 0.05, 0.02, 0.03, 0.055],
+        [0.3, -0.2, -0.1, 0.04, 0.02, 0.008, 0.005],
     ];
     const BOARD: [[f32; 7]; 3] = [
         [0.4, 0.7, 0.6, 0.25, 0.5, 0.45, 0.4],
@@ -181,7 +181,7 @@ pub fn run_table1(options: &Options) -> Vec<Table> {
         [0.6, 0.8, -0.8, 0.3, 0.5, 0.35, 0.2],
     ];
     let front = (View::default(), None);
-    let inside = (View { azimuth: FRAC_PI_2, elevation: 0.05, field_of_view: 1.1 }, Some(0.65));
+    let inside = (View { azimuth: FRAC_PI_2, elevation: -0.14, field_of_view: 1.0 }, Some(0.45));
     let stages = [
         open(options, "sponza_13k.ply", UpAxis::Z)
             .and_then(|mesh| Stage::new(options, "sponza", mesh, inside, &HALL, material(0.7, 0.3, 30.0))),
@@ -212,7 +212,7 @@ pub fn run_table1(options: &Options) -> Vec<Table> {
         let mean = values.iter().map(|v| f64::from(v.clamp(0.0, 1.0))).sum::<f64>() / values.len() as f64;
         let row = [vec![stage.name.to_owned()], cells.to_vec(), vec![format!("{mean:.3}")]].concat();
         table.row(row);
-        for (image, name) in [(&all[0], "Eq. 11"), (&all[2], "l₂ < 3"), (&reference, "10,000 rays")] {
+        for (image, name) in [(&all[0], "Eq. 11"), (&all[2], "three bands"), (&reference, "10,000 rays")] {
             pictures.push((develop(image, 0.0, ToneMap::None), format!("{}: {name}", stage.name)));
         }
     }
