@@ -4,13 +4,12 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
 use ylm::Bands;
-use ylm::basis::basis;
 use ylm::zonal::Zonal;
 
 use super::radial_frame;
 use crate::error::Result;
 use crate::scene::{Bvh, Directions, Vantage};
-use crate::transfer::{ROW_UNIT, hilbert_code, sum_rows};
+use crate::transfer::{harmonics_of_mean, row_width, spiral_disc, sum_rows};
 
 /// Directions of all places at one distance, in their frames: those that can meet the object's bounding sphere, spread evenly over
 /// that cap around −z, with their harmonics.
@@ -42,18 +41,7 @@ impl Sight {
         let half_angle = if ratio < 1.0 { ratio.asin() } else { PI };
         // 1 − cos a, without cancellation.
         let depth = 2.0 * (0.5 * half_angle).sin().powi(2);
-        let golden = (5f64.sqrt() - 1.0) / 2.0;
-        let mut disc: Vec<[f64; 3]> = (0..rays)
-            .map(|i| {
-                let share = (f64::from(i) + shift) / f64::from(rays);
-                let (sin, cos) = (TAU * (f64::from(i) * golden).fract()).sin_cos();
-                [share, cos, sin]
-            })
-            .collect();
-        disc.sort_by_cached_key(|[share, cos, sin]| {
-            hilbert_code((share.sqrt() * cos) as f32, (share.sqrt() * sin) as f32)
-        });
-        let directions: Vec<DVec3> = disc
+        let directions: Vec<DVec3> = spiral_disc(rays, shift)
             .into_iter()
             .map(|[share, cos, sin]| {
                 let sunk = share * depth;
@@ -61,29 +49,11 @@ impl Sight {
                 DVec3::new(across * cos, across * sin, sunk - 1.0)
             })
             .collect();
-        let (width, row_width) = (bands.coeff_count(), row_width(bands));
-        let mut harmonics = vec![0.0f32; directions.len() * row_width];
-        let mut mean = vec![0.0f64; width];
-        let mut values = vec![0.0f64; 64 * width];
-        for (rows, chunk) in harmonics.chunks_mut(64 * row_width).zip(directions.chunks(64)) {
-            let arrays: Vec<[f64; 3]> = chunk.iter().map(|d| d.to_array()).collect();
-            let values = &mut values[..chunk.len() * width];
-            basis(&arrays, bands, values)?;
-            for (row, values) in rows.chunks_exact_mut(row_width).zip(values.chunks_exact(width)) {
-                for i in 0..width {
-                    row[i] = values[i] as f32;
-                    mean[i] += values[i] / f64::from(rays);
-                }
-            }
-        }
         let solid_angle = TAU * depth;
-        let mut whole = vec![0.0f64; width];
+        let mut whole = vec![0.0f64; bands.coeff_count()];
         Zonal::<f64>::disc(half_angle, bands)?.rotate([0.0, 0.0, -1.0], &mut whole)?;
-        for row in harmonics.chunks_exact_mut(row_width) {
-            for i in 0..width {
-                row[i] += (whole[i] / solid_angle - mean[i]) as f32;
-            }
-        }
+        let mean: Vec<f64> = whole.iter().map(|whole| whole / solid_angle).collect();
+        let harmonics = harmonics_of_mean(&directions, bands, &mean)?;
         let directions: Vec<Vec3> = directions.iter().map(|d| d.as_vec3()).collect();
         Ok(Self {
             bands,
@@ -130,8 +100,4 @@ impl Sight {
             open.for_each(|((coeff, whole), sum)| *coeff = whole - self.weight * sum);
         }
     }
-}
-
-fn row_width(bands: Bands) -> usize {
-    bands.coeff_count().next_multiple_of(ROW_UNIT)
 }

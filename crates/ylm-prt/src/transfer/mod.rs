@@ -20,11 +20,11 @@ mod visibility;
 pub use baked::{BakeRecord, Baked, Precision};
 pub use bounced::Bounced;
 pub use journal::{Journal, Piece};
-pub(crate) use order::hilbert_code;
+pub(crate) use samples::{harmonics_of_mean, row_width, spiral_disc};
 pub use settings::{BakeSettings, BounceEnd, Bounces, KeptBounces, TransferKind};
 pub use shadowed::visible_shares;
 pub(crate) use shadowed::world_from_local;
-pub(crate) use sum::{ROW_UNIT, sum_rows};
+pub(crate) use sum::sum_rows;
 
 use ylm::Bands;
 

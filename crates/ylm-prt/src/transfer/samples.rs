@@ -90,18 +90,7 @@ impl SampleSets {
 
 impl SampleSet {
     fn new(measure: Measure, bands: Bands, rays: u32, offset: f64) -> Result<Self> {
-        let golden = (5f64.sqrt() - 1.0) / 2.0;
-        let mut disc: Vec<[f64; 3]> = (0..rays)
-            .map(|i| {
-                let square = (f64::from(i) + offset) / f64::from(rays);
-                let (sin, cos) = (TAU * (f64::from(i) * golden).fract()).sin_cos();
-                [square, cos, sin]
-            })
-            .collect();
-        disc.sort_by_cached_key(|[square, cos, sin]| {
-            hilbert_code((square.sqrt() * cos) as f32, (square.sqrt() * sin) as f32)
-        });
-        let lifted = disc.into_iter().map(|[square, cos, sin]| {
+        let lifted = spiral_disc(rays, offset).into_iter().map(|[square, cos, sin]| {
             let height = measure.height(square);
             let radius = match measure {
                 Measure::Cosine => square.sqrt(),
@@ -111,31 +100,55 @@ impl SampleSet {
         });
         let directions: Vec<DVec3> = lifted.collect();
 
-        let (width, row_width) = (bands.coeff_count(), row_width(bands));
-        let mut harmonics = vec![0.0f32; directions.len() * row_width];
-        let mut mean = vec![0.0f64; width];
-        let mut values = vec![0.0f64; 64 * width];
-        for (rows, chunk) in harmonics.chunks_mut(64 * row_width).zip(directions.chunks(64)) {
-            let arrays: Vec<[f64; 3]> = chunk.iter().map(|d| d.to_array()).collect();
-            let values = &mut values[..chunk.len() * width];
-            basis(&arrays, bands, values)?;
-            for (row, values) in rows.chunks_exact_mut(row_width).zip(values.chunks_exact(width)) {
-                for i in 0..width {
-                    row[i] = values[i] as f32;
-                    mean[i] += values[i] / f64::from(rays);
-                }
-            }
-        }
-        let mut exact = vec![0.0f64; width];
+        let mut exact = vec![0.0f64; bands.coeff_count()];
         measure.zonal::<f64>(bands)?.rotate([0.0, 0.0, 1.0], &mut exact)?;
-        for row in harmonics.chunks_exact_mut(row_width) {
-            for i in 0..width {
-                row[i] += (exact[i] / measure.of_hemisphere() - mean[i]) as f32;
-            }
-        }
+        exact.iter_mut().for_each(|exact| *exact /= measure.of_hemisphere());
+        let harmonics = harmonics_of_mean(&directions, bands, &exact)?;
         let directions: Vec<Vec3> = directions.iter().map(|d| d.as_vec3()).collect();
         Ok(Self { directions: Directions::new(&directions), harmonics })
     }
+}
+
+/// A Fibonacci spiral on the unit disc, along a Hilbert curve: for each point the square of its radius, (i + offset)/count, and the cosine
+/// and sine of its angle.
+pub fn spiral_disc(count: u32, offset: f64) -> Vec<[f64; 3]> {
+    let golden = (5f64.sqrt() - 1.0) / 2.0;
+    let mut disc: Vec<[f64; 3]> = (0..count)
+        .map(|i| {
+            let square = (f64::from(i) + offset) / f64::from(count);
+            let (sin, cos) = (TAU * (f64::from(i) * golden).fract()).sin_cos();
+            [square, cos, sin]
+        })
+        .collect();
+    disc.sort_by_cached_key(|[square, cos, sin]| {
+        hilbert_code((square.sqrt() * cos) as f32, (square.sqrt() * sin) as f32)
+    });
+    disc
+}
+
+/// Y_i of each direction, plus what is missing of their mean so that it is `exact`: [direction, row width], zeros beyond n².
+pub fn harmonics_of_mean(directions: &[DVec3], bands: Bands, exact: &[f64]) -> Result<Vec<f32>> {
+    let (width, row_width) = (bands.coeff_count(), row_width(bands));
+    let mut harmonics = vec![0.0f32; directions.len() * row_width];
+    let mut mean = vec![0.0f64; width];
+    let mut values = vec![0.0f64; 64 * width];
+    for (rows, chunk) in harmonics.chunks_mut(64 * row_width).zip(directions.chunks(64)) {
+        let arrays: Vec<[f64; 3]> = chunk.iter().map(|d| d.to_array()).collect();
+        let values = &mut values[..chunk.len() * width];
+        basis(&arrays, bands, values)?;
+        for (row, values) in rows.chunks_exact_mut(row_width).zip(values.chunks_exact(width)) {
+            for i in 0..width {
+                row[i] = values[i] as f32;
+                mean[i] += values[i] / directions.len() as f64;
+            }
+        }
+    }
+    for row in harmonics.chunks_exact_mut(row_width) {
+        for i in 0..width {
+            row[i] += (exact[i] - mean[i]) as f32;
+        }
+    }
+    Ok(harmonics)
 }
 
 /// Numbers a row of harmonics takes.
