@@ -12,7 +12,8 @@ use serde_json::{Map, Value, json};
 use ylm::Bands;
 
 use super::container::{
-    CONVENTION, Content, check_finite, finite_rows, map, parse_tensors, rows, write_tensors,
+    CONVENTION, Content, check_finite, finite_rows, integer, integer32, map, parse_header, parse_tensors,
+    rows, sha256, text, texts, write_tensors,
 };
 use super::fault::BakedFault;
 use crate::error::{Error, Result};
@@ -218,56 +219,28 @@ fn metadata(baked: &Baked) -> Value {
 
 fn parse_metadata(entry: &Map<String, Value>) -> std::result::Result<(Bands, BakeRecord), BakedFault> {
     let wrong = |key, expected: &str| BakedFault::Metadata { key, expected: expected.to_owned() };
-    let text = |key| entry.get(key).and_then(Value::as_str).ok_or_else(|| wrong(key, "a string"));
-    let integer = |key| entry.get(key).and_then(Value::as_u64).ok_or_else(|| wrong(key, "a whole number"));
-    if text("format")? != "baked" {
-        return Err(wrong("format", "\"baked\""));
-    }
-    match integer("format_version")? {
-        1..=FORMAT_VERSION => {}
-        found => return Err(BakedFault::Version { found, supported: FORMAT_VERSION }),
-    }
-    if text("convention")? != CONVENTION {
-        return Err(wrong("convention", &format!("\"{CONVENTION}\"")));
-    }
-    let bands =
-        Bands::new(integer("bands")? as usize).map_err(|e| wrong("bands", &format!("in range: {e}")))?;
-    let kind = TransferKind::from_name(text("transfer")?)
+    let bands = parse_header(entry, "baked", FORMAT_VERSION)?;
+    let kind = TransferKind::from_name(text(entry, "transfer")?)
         .ok_or_else(|| wrong("transfer", "\"unshadowed\", \"shadowed\" or \"interreflected\""))?;
     let bias = entry.get("bias").and_then(Value::as_f64).map(|bias| bias as f32).filter(|bias| *bias >= 0.0);
     let t_max = match entry.get("tmax") {
         None => Some(f32::INFINITY),
         Some(t_max) => t_max.as_f64().map(|t_max| t_max as f32).filter(|t| *t > 0.0 && t.is_finite()),
     };
-    let names = |key| {
-        let names = entry.get(key).and_then(Value::as_array).and_then(|names| {
-            names.iter().map(|name| name.as_str().map(str::to_owned)).collect::<Option<Vec<_>>>()
-        });
-        names.ok_or_else(|| wrong(key, "a list of strings"))
-    };
-    let sha256 = |key| {
-        let hash = text(key)?;
-        let is_hash = hash.len() == 64 && hash.bytes().all(|c| c.is_ascii_hexdigit());
-        if is_hash || hash.is_empty() {
-            Ok(hash.to_owned())
-        } else {
-            Err(wrong(key, "64 hexadecimal digits, or empty"))
-        }
-    };
     let has_blockers = entry.contains_key(BLOCKERS_KEY);
     let record = BakeRecord {
         kind,
-        rays: u32::try_from(integer("rays")?).map_err(|_| wrong("rays", "below 2^32"))?,
-        seed: integer("seed")?,
+        rays: integer32(entry, "rays")?,
+        seed: integer(entry, "seed")?,
         bias: bias.ok_or_else(|| wrong("bias", "a number ≥ 0"))?,
         t_max: t_max.ok_or_else(|| wrong("tmax", "a number above 0"))?,
         bounce_threshold: bounces::threshold(entry)?,
-        source: names("source")?,
-        source_sha256: sha256("source_sha256")?,
-        blockers: if has_blockers { names(BLOCKERS_KEY)? } else { Vec::new() },
-        blockers_sha256: if has_blockers { sha256("blockers_sha256")? } else { String::new() },
+        source: texts(entry, "source")?,
+        source_sha256: sha256(entry, "source_sha256")?,
+        blockers: if has_blockers { texts(entry, BLOCKERS_KEY)? } else { Vec::new() },
+        blockers_sha256: if has_blockers { sha256(entry, "blockers_sha256")? } else { String::new() },
         precision: Precision::Single,
-        ylm_version: text("ylm_version")?.to_owned(),
+        ylm_version: text(entry, "ylm_version")?.to_owned(),
     };
     Ok((bands, record))
 }

@@ -13,6 +13,7 @@ use half::slice::HalfFloatSliceExt;
 use safetensors::tensor::{Metadata, TensorInfo};
 use safetensors::{Dtype, SafeTensors};
 use serde_json::{Map, Value};
+use ylm::Bands;
 
 use super::fault::BakedFault;
 use crate::error::{Error, Result};
@@ -66,6 +67,65 @@ pub fn parse_tensors(bytes: &[u8]) -> std::result::Result<(SafeTensors<'_>, Map<
     let entry = header.metadata().as_ref().and_then(|entries| entries.get(METADATA_KEY));
     let entry = serde_json::from_str(entry.ok_or(BakedFault::NotYlm)?).map_err(BakedFault::MetadataJson)?;
     Ok((tensors, entry))
+}
+
+/// Checks what the metadata of every file begins with: what it is, a version up to `latest`, the convention; returns its bands.
+pub fn parse_header(
+    entry: &Map<String, Value>,
+    format: &str,
+    latest: u64,
+) -> std::result::Result<Bands, BakedFault> {
+    let wrong = |key, expected: &str| BakedFault::Metadata { key, expected: expected.to_owned() };
+    let is_text = |key, expected: &str| match text(entry, key)? {
+        found if found == expected => Ok(()),
+        _ => Err(wrong(key, &format!("\"{expected}\""))),
+    };
+    is_text("format", format)?;
+    match integer(entry, "format_version")? {
+        found if (1..=latest).contains(&found) => {}
+        found => return Err(BakedFault::Version { found, supported: latest }),
+    }
+    is_text("convention", CONVENTION)?;
+    Bands::new(integer(entry, "bands")? as usize).map_err(|e| wrong("bands", &format!("in range: {e}")))
+}
+
+/// A text of the metadata.
+pub fn text<'a>(
+    entry: &'a Map<String, Value>,
+    key: &'static str,
+) -> std::result::Result<&'a str, BakedFault> {
+    let wrong = || BakedFault::Metadata { key, expected: "a string".to_owned() };
+    entry.get(key).and_then(Value::as_str).ok_or_else(wrong)
+}
+
+/// A whole number of the metadata.
+pub fn integer(entry: &Map<String, Value>, key: &'static str) -> std::result::Result<u64, BakedFault> {
+    let wrong = || BakedFault::Metadata { key, expected: "a whole number".to_owned() };
+    entry.get(key).and_then(Value::as_u64).ok_or_else(wrong)
+}
+
+/// A number of the metadata below 2³².
+pub fn integer32(entry: &Map<String, Value>, key: &'static str) -> std::result::Result<u32, BakedFault> {
+    let wrong = |_| BakedFault::Metadata { key, expected: "below 2^32".to_owned() };
+    u32::try_from(integer(entry, key)?).map_err(wrong)
+}
+
+/// A list of texts of the metadata.
+pub fn texts(entry: &Map<String, Value>, key: &'static str) -> std::result::Result<Vec<String>, BakedFault> {
+    let list = entry.get(key).and_then(Value::as_array);
+    let texts = list.and_then(|list| list.iter().map(|text| text.as_str().map(str::to_owned)).collect());
+    texts.ok_or_else(|| BakedFault::Metadata { key, expected: "a list of strings".to_owned() })
+}
+
+/// A SHA-256 of the metadata: 64 hexadecimal digits, or empty.
+pub fn sha256(entry: &Map<String, Value>, key: &'static str) -> std::result::Result<String, BakedFault> {
+    let hash = text(entry, key)?;
+    let is_hash = hash.len() == 64 && hash.bytes().all(|c| c.is_ascii_hexdigit());
+    if is_hash || hash.is_empty() {
+        Ok(hash.to_owned())
+    } else {
+        Err(BakedFault::Metadata { key, expected: "64 hexadecimal digits, or empty".to_owned() })
+    }
 }
 
 /// What stands in a tensor.

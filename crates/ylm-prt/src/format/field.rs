@@ -9,7 +9,8 @@ use serde_json::{Map, Value, json};
 use ylm::Bands;
 
 use super::container::{
-    CONVENTION, Content, check_finite, finite_rows, list, map, parse_tensors, rows, write_tensors,
+    CONVENTION, Content, check_finite, finite_rows, integer, integer32, list, map, parse_header,
+    parse_tensors, rows, sha256, text, texts, write_tensors,
 };
 use super::fault::BakedFault;
 use crate::error::{Error, Result};
@@ -139,8 +140,6 @@ struct Header {
 
 fn parse_metadata(entry: &Map<String, Value>) -> std::result::Result<Header, BakedFault> {
     let wrong = |key, expected: &str| BakedFault::Metadata { key, expected: expected.to_owned() };
-    let text = |key| entry.get(key).and_then(Value::as_str).ok_or_else(|| wrong(key, "a string"));
-    let integer = |key| entry.get(key).and_then(Value::as_u64).ok_or_else(|| wrong(key, "a whole number"));
     let positive = |key| {
         let number = entry.get(key).and_then(Value::as_f64).map(|number| number as f32);
         number.filter(|x| *x > 0.0 && x.is_finite()).ok_or_else(|| wrong(key, "a number above 0"))
@@ -149,28 +148,11 @@ fn parse_metadata(entry: &Map<String, Value>) -> std::result::Result<Header, Bak
         let number = entry.get(key).and_then(Value::as_f64).map(|number| number as f32);
         number.filter(|x| *x >= 0.0 && x.is_finite()).ok_or_else(|| wrong(key, "a number ≥ 0"))
     };
-    if text("format")? != "field" {
-        return Err(wrong("format", "\"field\""));
-    }
-    match integer("format_version")? {
-        1..=FORMAT_VERSION => {}
-        found => return Err(BakedFault::Version { found, supported: FORMAT_VERSION }),
-    }
-    if text("convention")? != CONVENTION {
-        return Err(wrong("convention", &format!("\"{CONVENTION}\"")));
-    }
-    let bands =
-        Bands::new(integer("bands")? as usize).map_err(|e| wrong("bands", &format!("in range: {e}")))?;
+    let bands = parse_header(entry, "field", FORMAT_VERSION)?;
     let center = entry.get("center").and_then(|value| serde_json::from_value(value.clone()).ok());
     let center: [f32; 3] = center
         .filter(|center: &[f32; 3]| center.iter().all(|x| x.is_finite()))
         .ok_or_else(|| wrong("center", "three finite numbers"))?;
-    let source = entry.get("source").and_then(|value| serde_json::from_value(value.clone()).ok());
-    let hash = text("source_sha256")?;
-    let is_hash = hash.len() == 64 && hash.bytes().all(|c| c.is_ascii_hexdigit());
-    if !(is_hash || hash.is_empty()) {
-        return Err(wrong("source_sha256", "64 hexadecimal digits, or empty"));
-    }
     Ok(Header {
         bands,
         center: center.into(),
@@ -180,11 +162,11 @@ fn parse_metadata(entry: &Map<String, Value>) -> std::result::Result<Header, Bak
             error: positive("error")?,
             error_outside: error("error_outside")?,
             error_inside: error("error_inside")?,
-            rays: u32::try_from(integer("rays")?).map_err(|_| wrong("rays", "below 2^32"))?,
-            seed: integer("seed")?,
-            source: source.ok_or_else(|| wrong("source", "a list of strings"))?,
-            source_sha256: hash.to_owned(),
-            ylm_version: text("ylm_version")?.to_owned(),
+            rays: integer32(entry, "rays")?,
+            seed: integer(entry, "seed")?,
+            source: texts(entry, "source")?,
+            source_sha256: sha256(entry, "source_sha256")?,
+            ylm_version: text(entry, "ylm_version")?.to_owned(),
         },
     })
 }
