@@ -7,6 +7,8 @@ use std::collections::HashMap;
 
 use glam::{Mat3, Vec3};
 
+use crate::scene::icosahedron;
+
 /// 10 k² + 2 directions and the 20 k² triangles between them.
 #[derive(Clone, Debug)]
 pub struct Geodesic {
@@ -32,10 +34,10 @@ impl Geodesic {
     /// The grid whose edges are about 63°/k long.
     pub fn new(frequency: usize) -> Self {
         assert!(frequency > 0, "an edge has at least one piece");
-        let corners = corners();
+        let (corners, triangles) = icosahedron();
         let mut grid = Self { frequency, directions: Vec::new(), faces: Vec::new() };
         let mut known: HashMap<Vec<(usize, usize)>, u32> = HashMap::new();
-        for [a, b, c] in triangles(&corners) {
+        for [a, b, c] in triangles {
             let mut lattice = Vec::new();
             for i in 0..=frequency {
                 for j in 0..=frequency - i {
@@ -97,35 +99,6 @@ impl Geodesic {
             [(at(i, j + 1), 1.0 - s), (at(i + 1, j), 1.0 - t), (at(i + 1, j + 1), s + t - 1.0)]
         }
     }
-}
-
-/// The twelve corners of the icosahedron, of unit length.
-fn corners() -> Vec<Vec3> {
-    let golden = 0.5 * (1.0 + 5.0f32.sqrt());
-    let signs = [(-1.0, golden), (1.0, golden), (-1.0, -golden), (1.0, -golden)];
-    let along = |place: fn(f32, f32) -> Vec3| signs.map(|(a, b)| place(a, b).normalize());
-    [
-        along(|a, b| Vec3::new(a, b, 0.0)),
-        along(|a, b| Vec3::new(0.0, a, b)),
-        along(|a, b| Vec3::new(b, 0.0, a)),
-    ]
-    .concat()
-}
-
-/// The faces between corners, wound outwards.
-fn triangles(corners: &[Vec3]) -> Vec<[usize; 3]> {
-    // Neighbours have cosine 1/√5, the next nearest −1/√5.
-    let near = |i: usize, j: usize| corners[i].dot(corners[j]) > 0.0;
-    let mut triangles = Vec::new();
-    for i in 0..corners.len() {
-        for j in i + 1..corners.len() {
-            for k in (j + 1..corners.len()).filter(|&k| near(i, j) && near(j, k) && near(i, k)) {
-                let [a, b, c] = [i, j, k].map(|corner| corners[corner]);
-                triangles.push(if (b - a).cross(c - a).dot(a) > 0.0 { [i, j, k] } else { [i, k, j] });
-            }
-        }
-    }
-    triangles
 }
 
 /// `count` unit directions that cover the sphere evenly. [Vogel 1979], on a sphere
