@@ -2,6 +2,8 @@
 
 #[path = "../../../testdata/data.rs"]
 mod data;
+#[path = "../../../testdata/directions.rs"]
+mod directions;
 
 use std::f32::consts::PI;
 
@@ -10,16 +12,10 @@ use ylm_prt::light::Light;
 use ylm_prt::reference::{Irradiance, Occlusion, Settings, irradiance};
 use ylm_prt::scene::{Bvh, LightingPoints, demo};
 
-/// Lighting points at the origin whose normals cover the sphere evenly: a spherical Fibonacci set.
+/// Points with normals all around, at the origin.
 fn normals(count: usize) -> LightingPoints {
-    let normals: Vec<Vec3> = (0..count)
-        .map(|k| {
-            let y = 1.0 - 2.0 * (k as f32 + 0.5) / count as f32;
-            let (sin, cos) = (2.399_963 * k as f32).sin_cos();
-            Vec3::new(cos * (1.0 - y * y).sqrt(), y, sin * (1.0 - y * y).sqrt())
-        })
-        .collect();
-    LightingPoints { positions: vec![Vec3::ZERO; count], normals, ..LightingPoints::default() }
+    let (positions, normals) = (vec![Vec3::ZERO; count], directions::spiral(count));
+    LightingPoints { positions, normals, ..LightingPoints::default() }
 }
 
 fn all(points: &LightingPoints) -> Vec<u32> {
