@@ -221,11 +221,12 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     }
 
     let shading = arguments.shading.name();
+    let lit = arguments.brdf.words(arguments.shading);
     let noise = drawn.shaded.noise.map_or(String::new(), |noise| format!(", noise {:.2} %", 100.0 * noise));
     let choice = arguments.options.window();
     let of_frames = measures.as_ref().map_or(String::new(), |measures| format!("; {}", measures.text()));
     let text = format!(
-        "{}: {width}×{height}, {shading} shading{noise}{}{}; {:.2} s{of_frames}\n",
+        "{}: {width}×{height}, {lit} shading{noise}{}{}; {:.2} s{of_frames}\n",
         arguments.output.display(),
         choice.words(window),
         view::scale_text(drawn.colours),

@@ -26,6 +26,15 @@ fn a_scene_with_visibility_is_drawn_in_any_material() {
     place.json(&format!("render cube.safetensors -o a.png --brdf lambert {light} {SMALL}"));
     place.json(&format!("render cube.safetensors -o b.png {light} {SMALL}"));
     assert!(place.json("compare a.png b.png")["rmse"].as_f64().unwrap() <= 0.02);
+    // Its line says of what the surface is made.
+    for (arguments, words) in
+        [("", "ggx:0.4 shading"), ("--shading reference --rays 8", "ggx:0.4 reference shading")]
+    {
+        let output = place
+            .run(&format!("render cube.safetensors -o a.png --brdf ggx:0.4 {arguments} {light} {SMALL}"));
+        let line = String::from_utf8(output.stdout).unwrap();
+        assert!(line.contains(words), "{line}");
+    }
     // A lamp that stands somewhere.
     let lamp = "--light sphere?pos=2,3,4&radius=1&intensity=10";
     let drawn = place.json(&format!(

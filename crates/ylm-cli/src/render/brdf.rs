@@ -62,6 +62,15 @@ impl BrdfOptions {
         self.brdf.is_some()
     }
 
+    /// How the surface is lit, for the report: the material's words where there is one.
+    pub fn words(&self, shading: Shading) -> String {
+        match (&self.brdf, shading) {
+            (None, _) => shading.name(),
+            (Some(brdf), Shading::Reference) => format!("{brdf} reference"),
+            (Some(brdf), _) => brdf.clone(),
+        }
+    }
+
     /// Reads and tabulates the material.
     ///
     /// # Errors
