@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use ylm_prt::error::Result;
 use ylm_prt::light::LightCoeffs;
 use ylm_prt::scene::{Blockers, Bvh, LightingPoints, Mesh, ball};
-use ylm_prt::shade::{Ball, Cap, shade_diffuse};
+use ylm_prt::shade::{self, Ball, shade_diffuse};
 use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, TransferKind, bake};
 
 use crate::options;
@@ -70,15 +70,12 @@ impl BallOptions {
         (!self.balls.is_empty()).then_some(self.ball_shadow)
     }
 
-    /// What the balls cover, seen from one place.
-    pub fn seen_from(&self, place: Vec3) -> Vec<Cap> {
-        self.balls.iter().map(|ball| ball.seen_from(place)).collect()
-    }
-
-    /// What the balls that stand before a lamp cover, seen from one place.
-    pub fn before(&self, lamp: Vec3, place: Vec3) -> Vec<Cap> {
-        let before = self.balls.iter().filter(|ball| ball.is_before(lamp, place));
-        before.map(|ball| ball.seen_from(place)).collect()
+    /// From where they are seen.
+    pub fn seen_from(&self) -> shade::BallShadow {
+        match self.ball_shadow {
+            BallShadow::Vertex => shade::BallShadow::Vertex,
+            BallShadow::Object => shade::BallShadow::Object,
+        }
     }
 
     /// The scene and the balls together.

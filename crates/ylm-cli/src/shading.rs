@@ -8,12 +8,16 @@ use ylm_prt::reference::{
     Irradiance, Occlusion, PhongLobe, Settings, bounced_irradiance, irradiance, specular,
 };
 use ylm_prt::scene::{Bvh, LightingPoints};
-use ylm_prt::shade::{Far, GlossyMaterial, Incident, Shadowed, dim, shade_diffuse, shade_diffuse_under};
+pub use ylm_prt::shade::middle;
+use ylm_prt::shade::{
+    GlossyMaterial, Incident, NearLight, shade_diffuse, shade_diffuse_behind, shade_diffuse_near,
+    shade_diffuse_under,
+};
 use ylm_prt::transfer::{BakeRecord, Baked, TransferKind};
 
-use crate::balls::{BallOptions, BallShadow};
+use crate::balls::BallOptions;
 use crate::interrupt;
-use crate::near::{NearLight, NearOptions};
+use crate::near::NearOptions;
 
 /// Radiance that leaves each lighting point.
 pub struct Shaded {
@@ -41,14 +45,8 @@ pub fn diffuse_under(baked: &Baked, light: &dyn Incident) -> Result<Shaded> {
 /// # Errors
 /// If a ball covers no cap.
 pub fn diffuse_behind(baked: &Baked, light: &LightCoeffs, balls: &BallOptions) -> Result<Shaded> {
-    match balls.shadow() {
-        None => Ok(diffuse(baked, light)),
-        Some(BallShadow::Object) => {
-            let caps = balls.seen_from(middle(&baked.points.positions));
-            Ok(diffuse(baked, &dim(light, &caps)?))
-        }
-        Some(BallShadow::Vertex) => diffuse_under(baked, &Shadowed::new(&Far::new(light), balls.balls())),
-    }
+    let radiance = shade_diffuse_behind(baked, light, balls.balls(), balls.seen_from())?;
+    Ok(Shaded { radiance, noise: None })
 }
 
 /// Lights by dot products, by a part of a light that stands somewhere, in part behind the balls if there are any.
@@ -62,47 +60,9 @@ pub fn diffuse_near(
     balls: &BallOptions,
     part: &(dyn Fn(LightCoeffs) -> Result<LightCoeffs> + Sync),
 ) -> Result<Shaded> {
-    let positions = &baked.points.positions;
-    let bands = near.far().bands;
-    match balls.shadow() {
-        None => {
-            let project = |place: Vec3| part(near.at(place)?);
-            diffuse_under(baked, &*options.incident(positions, bands, &project)?)
-        }
-        Some(BallShadow::Object) => {
-            let middle = middle(positions);
-            let far = dim(&part(near.far().clone())?, &balls.seen_from(middle))?;
-            let project = |place: Vec3| -> Result<LightCoeffs> {
-                let mut sum = far.clone();
-                for lamp in near.lamps() {
-                    let caps = balls.before(lamp.place, middle);
-                    sum.add(&dim(&part(lamp.at(place)?)?, &caps)?);
-                }
-                Ok(sum)
-            };
-            diffuse_under(baked, &*options.incident(positions, bands, &project)?)
-        }
-        Some(BallShadow::Vertex) => {
-            let far = Far::new(&part(near.far().clone())?);
-            let projects: Vec<_> =
-                near.lamps().iter().map(|lamp| move |place: Vec3| part(lamp.at(place)?)).collect();
-            let incidents: Vec<_> = (projects.iter())
-                .map(|project| options.incident(positions, bands, project))
-                .collect::<Result<_>>()?;
-            let mut shadowed = Shadowed::new(&far, balls.balls());
-            for (lamp, incident) in near.lamps().iter().zip(&incidents) {
-                shadowed = shadowed.and_lamp(&**incident, lamp.place)?;
-            }
-            diffuse_under(baked, &shadowed)
-        }
-    }
-}
-
-/// The middle of the points' bounding box.
-pub fn middle(positions: &[Vec3]) -> Vec3 {
-    let infinite = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-    let [low, high] = positions.iter().fold(infinite, |[low, high], p| [low.min(*p), high.max(*p)]);
-    low.midpoint(high)
+    let (balls, shadow) = (balls.balls(), balls.seen_from());
+    let radiance = shade_diffuse_near(baked, near, options.blend(), balls, shadow, part)?;
+    Ok(Shaded { radiance, noise: None })
 }
 
 /// Lights by rays from the light itself, with the occlusion that the bake had.

@@ -14,7 +14,7 @@ use ylm_prt::reference::Occlusion;
 use ylm_prt::render::{Colours, Raster, render_in};
 use ylm_prt::scene::Camera;
 use ylm_prt::shade::adaptive::Pace;
-use ylm_prt::shade::{AdaptiveScene, AdaptiveSettings, least_nonnegative_at_points};
+use ylm_prt::shade::{AdaptiveScene, AdaptiveSettings, NearLight, least_nonnegative_at_points};
 use ylm_prt::transfer::Baked;
 
 use super::brdf::Material;
@@ -22,7 +22,6 @@ use super::{Arguments, Background, write_picture};
 use crate::balls::Stage;
 use crate::gloss;
 use crate::interrupt;
-use crate::near::NearLight;
 use crate::options;
 use crate::output::Output;
 use crate::shading::{self, Shaded};

@@ -10,12 +10,11 @@ use ylm_prt::light::Light;
 use ylm_prt::reference::{Occlusion, Settings, reflected};
 use ylm_prt::scene::Bvh;
 use ylm_prt::scene::brdf::Brdf;
-use ylm_prt::shade::{BrdfLight, BrdfTable, Reflection, shade_brdf};
+use ylm_prt::shade::{BrdfLight, BrdfTable, NearLight, Reflection, shade_brdf};
 use ylm_prt::transfer::{Baked, TransferKind};
 
 use super::Arguments;
 use crate::interrupt;
-use crate::near::NearLight;
 use crate::shading::Shaded;
 use crate::view::Shading;
 
@@ -129,7 +128,7 @@ impl Material {
         let radiance = if light.is_local() {
             let near = NearLight::new(light, window, bands)?;
             let project = |place: Vec3| near.at(place);
-            let incident = arguments.near.incident(&baked.points.positions, bands, &project)?;
+            let incident = arguments.near.blend().incident(&baked.points.positions, bands, &project)?;
             shade_brdf(baked, &BrdfLight::Near(&*incident), &reflection)?
         } else {
             let coeffs = light.project(bands)?.windowed_by(window)?;

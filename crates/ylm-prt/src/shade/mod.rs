@@ -4,6 +4,7 @@
 //! | --- | --- | --- |
 //! | [`shade_diffuse`] | one, from far away | 3n² multiply-adds; n² where it has one colour |
 //! | [`shade_diffuse_under`] | another at each point: [`Incident`] | the same, and what the light costs |
+//! | [`shade_diffuse_behind`], [`shade_diffuse_near`] | one behind balls; one of which parts stand somewhere: [`NearLight`] | the same |
 //! | [`shade_monochrome`] | one, from far away; bounced light without its colours | 3n² multiply-adds; n² where it has one colour |
 //! | [`shade_glossy`] | one, from far away, reflected around the mirrored view direction | O(n³) |
 //! | [`shade_brdf`] | any, reflected by any material | O(n³) |
@@ -22,6 +23,7 @@ pub mod fields;
 pub mod glossy;
 pub mod grey;
 mod incident;
+mod lamps;
 mod linear;
 mod monochrome;
 mod near;
@@ -37,6 +39,7 @@ pub use diffuse::shade_diffuse;
 pub use fields::{Body, FieldFrame, FieldProduct, FieldShading, shade_fields};
 pub use glossy::{GlossyLight, GlossyMaterial, Received, SpecularWay, shade_glossy};
 pub use incident::{Far, Incident, shade_diffuse_under};
+pub use lamps::{BallShadow, Lamp, LightBlend, NearLight, middle, shade_diffuse_behind, shade_diffuse_near};
 pub use linear::{LinearIrradiance, shade_linear};
 pub use monochrome::{Monochrome, shade_monochrome};
 pub use near::{AtEachPoint, Blend, LightSamples, MAX_SAMPLES, Project};
