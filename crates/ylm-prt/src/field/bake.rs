@@ -145,7 +145,7 @@ impl Baker<'_> {
     pub(super) fn look(&self, distance: f32, directions: &[Vec3], rays: u32, shift: f64) -> Result<Seen> {
         let width = self.width();
         let shift = (shift + unit(self.settings.seed)).fract();
-        let sight = Sight::new(self.settings.bands, self.radius, distance, rays, shift)?;
+        let sight = Sight::new(self.settings.bands, self.radius, distance, rays, shift, self.progress)?;
         let mut seen: Seen = Vec::new();
         seen.try_reserve_exact(directions.len() * width).map_err(|_| {
             Error::Request(format!("no memory for {} functions of {width} coefficients", directions.len()))

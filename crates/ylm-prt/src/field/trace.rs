@@ -9,7 +9,7 @@ use ylm::zonal::Zonal;
 use super::radial_frame;
 use crate::error::Result;
 use crate::scene::{Bvh, Directions, Vantage};
-use crate::transfer::{harmonics_of_mean, row_width, spiral_disc, sum_rows};
+use crate::transfer::{Progress, harmonics_of_mean, row_width, spiral_disc, sum_rows};
 
 /// Directions of all places at one distance, in their frames: those that can meet the object's bounding sphere, spread evenly over
 /// that cap around −z, with their harmonics.
@@ -35,7 +35,17 @@ pub struct TraceScratch {
 
 impl Sight {
     /// Directions from `distance` towards a sphere of `radius`; `shift` in 0 … 1 tells sets apart.
-    pub fn new(bands: Bands, radius: f32, distance: f32, rays: u32, shift: f64) -> Result<Self> {
+    ///
+    /// # Errors
+    /// If `progress` cancels.
+    pub fn new(
+        bands: Bands,
+        radius: f32,
+        distance: f32,
+        rays: u32,
+        shift: f64,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
         // A little more than the sphere, for its radius is rounded.
         let ratio = 1.00001 * f64::from(radius) / f64::from(distance);
         let half_angle = if ratio < 1.0 { ratio.asin() } else { PI };
@@ -53,7 +63,7 @@ impl Sight {
         let mut whole = vec![0.0f64; bands.coeff_count()];
         Zonal::<f64>::disc(half_angle, bands)?.rotate([0.0, 0.0, -1.0], &mut whole)?;
         let mean: Vec<f64> = whole.iter().map(|whole| whole / solid_angle).collect();
-        let harmonics = harmonics_of_mean(&directions, bands, &mean)?;
+        let harmonics = harmonics_of_mean(&directions, bands, &mean, progress)?;
         let directions: Vec<Vec3> = directions.iter().map(|d| d.as_vec3()).collect();
         Ok(Self {
             bands,

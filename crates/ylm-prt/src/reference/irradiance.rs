@@ -150,18 +150,23 @@ pub(super) fn at_each(
     let is_stopped = AtomicBool::new(false);
     let mut halves = vec![[Vec3::ZERO; 2]; at.len()];
     halves.par_chunks_mut(CHUNK).zip(at.par_chunks(CHUNK)).try_for_each(|(halves, indices)| {
-        if is_stopped.load(Ordering::Relaxed) {
-            return Ok(());
-        }
+        // A point of a million rays takes a second: who waits for an end is asked before each half.
+        let goes_on = |done: usize| {
+            if !watch(done) {
+                is_stopped.store(true, Ordering::Relaxed);
+            }
+            !is_stopped.load(Ordering::Relaxed)
+        };
         let mut scratch = Scratch::default();
         for (halves, &index) in halves.iter_mut().zip(indices) {
             for (half, value) in (0..).zip(halves) {
+                if !goes_on(0) {
+                    return Ok(());
+                }
                 *value = estimate(index as usize, half, &mut scratch)?;
             }
         }
-        if !watch(indices.len()) {
-            is_stopped.store(true, Ordering::Relaxed);
-        }
+        goes_on(indices.len());
         Result::Ok(())
     })?;
     if is_stopped.into_inner() {

@@ -7,9 +7,10 @@ use ylm::Bands;
 use ylm::basis::basis;
 use ylm::zonal::Zonal;
 
+use super::Progress;
 use super::order::hilbert_code;
 use super::sum::ROW_UNIT;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::Directions;
 
 /// Most sets of a bake; points choose among them.
@@ -71,12 +72,22 @@ pub struct SampleSet {
 
 impl SampleSets {
     /// As many sets as stay within `budget_bytes`, at least one.
-    pub fn new(measure: Measure, bands: Bands, rays: u32, seed: u64, budget_bytes: usize) -> Result<Self> {
+    ///
+    /// # Errors
+    /// If `progress` cancels: a set of a million rays takes a second.
+    pub fn new(
+        measure: Measure,
+        bands: Bands,
+        rays: u32,
+        seed: u64,
+        budget_bytes: usize,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
         let set_bytes = rays as usize * (row_width(bands) + 3) * size_of::<f32>();
         let count = (budget_bytes / set_bytes).clamp(1, MAX_SETS);
         let shift = unit(hash(seed));
-        let sets =
-            (0..count).map(|k| SampleSet::new(measure, bands, rays, (k as f64 + shift) / count as f64));
+        let offset = |k: usize| (k as f64 + shift) / count as f64;
+        let sets = (0..count).map(|k| SampleSet::new(measure, bands, rays, offset(k), progress));
         Ok(Self { sets: sets.collect::<Result<_>>()? })
     }
 
@@ -89,7 +100,7 @@ impl SampleSets {
 }
 
 impl SampleSet {
-    fn new(measure: Measure, bands: Bands, rays: u32, offset: f64) -> Result<Self> {
+    fn new(measure: Measure, bands: Bands, rays: u32, offset: f64, progress: &dyn Progress) -> Result<Self> {
         let lifted = spiral_disc(rays, offset).into_iter().map(|[square, cos, sin]| {
             let height = measure.height(square);
             let radius = match measure {
@@ -103,7 +114,7 @@ impl SampleSet {
         let mut exact = vec![0.0f64; bands.coeff_count()];
         measure.zonal::<f64>(bands)?.rotate([0.0, 0.0, 1.0], &mut exact)?;
         exact.iter_mut().for_each(|exact| *exact /= measure.of_hemisphere());
-        let harmonics = harmonics_of_mean(&directions, bands, &exact)?;
+        let harmonics = harmonics_of_mean(&directions, bands, &exact, progress)?;
         let directions: Vec<Vec3> = directions.iter().map(|d| d.as_vec3()).collect();
         Ok(Self { directions: Directions::new(&directions), harmonics })
     }
@@ -127,12 +138,23 @@ pub fn spiral_disc(count: u32, offset: f64) -> Vec<[f64; 3]> {
 }
 
 /// Y_i of each direction, plus what is missing of their mean so that it is `exact`: [direction, row width], zeros beyond n².
-pub fn harmonics_of_mean(directions: &[DVec3], bands: Bands, exact: &[f64]) -> Result<Vec<f32>> {
+///
+/// # Errors
+/// If `progress` cancels.
+pub fn harmonics_of_mean(
+    directions: &[DVec3],
+    bands: Bands,
+    exact: &[f64],
+    progress: &dyn Progress,
+) -> Result<Vec<f32>> {
     let (width, row_width) = (bands.coeff_count(), row_width(bands));
     let mut harmonics = vec![0.0f32; directions.len() * row_width];
     let mut mean = vec![0.0f64; width];
     let mut values = vec![0.0f64; 64 * width];
     for (rows, chunk) in harmonics.chunks_mut(64 * row_width).zip(directions.chunks(64)) {
+        if progress.is_cancelled() {
+            return Err(Error::Interrupted);
+        }
         let arrays: Vec<[f64; 3]> = chunk.iter().map(|d| d.to_array()).collect();
         let values = &mut values[..chunk.len() * width];
         basis(&arrays, bands, values)?;

@@ -123,7 +123,8 @@ impl<'a> Baker<'a> {
             )));
         }
         let result_bytes = points.positions.len() * bands.coeff_count() * size_of::<f32>();
-        let sets = SampleSets::new(measure, bands, rays, seed, (result_bytes / SETS_SHARE).max(SETS_BYTES))?;
+        let budget = (result_bytes / SETS_SHARE).max(SETS_BYTES);
+        let sets = SampleSets::new(measure, bands, rays, seed, budget, progress)?;
         let (unblocked, rotation) = (measure.zonal(bands)?, FrameRotation::new(bands));
         let vantages = Vantages::new(points, bias, t_max);
         Ok(Self { points, bvh, settings, progress, vantages, measure, sets, unblocked, rotation })
