@@ -1,24 +1,15 @@
 //! The bake, which Python can watch and stop.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::sync::{Arc, Mutex};
-use std::time::Duration;
-
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use ylm_prt::scene::{Blockers, Bvh, LightingPoints};
-use ylm_prt::transfer::{
-    BakeRecord, BakeSettings, BounceEnd, Bounces, KeptBounces, Progress, Transfer, TransferKind,
-};
+use ylm_prt::transfer::{BakeRecord, BakeSettings, BounceEnd, Bounces, KeptBounces, TransferKind};
 
-use crate::arrays::bands;
+use crate::arrays::{array_of, bands};
 use crate::baked::Baked;
-use crate::error::{Cancelled, raise};
+use crate::error::raise;
 use crate::mesh::Mesh;
-
-/// How often signals are looked at and the callback is called.
-const TICK: Duration = Duration::from_millis(50);
+use crate::watch::{Watch, on_threads};
 
 /// What a bake is asked to do, as Python gives it.
 #[derive(FromPyObject)]
@@ -69,60 +60,6 @@ impl Settings {
     }
 }
 
-/// Counts what is done, and carries the wish to stop.
-struct Watch {
-    done: AtomicUsize,
-    /// 0 for direct light, b + 1 for bounce b, [`VISIBILITY`].
-    stage: AtomicUsize,
-    cancelled: AtomicBool,
-}
-
-const VISIBILITY: usize = usize::MAX;
-
-impl Progress for Watch {
-    fn advance(&self, points: usize, _rays: u64) {
-        self.done.fetch_add(points, Ordering::Relaxed);
-    }
-
-    fn begin_bounce(&self, bounce: u32) {
-        self.done.store(0, Ordering::Relaxed);
-        self.stage.store(bounce as usize + 1, Ordering::Relaxed);
-    }
-
-    fn begin_visibility(&self) {
-        self.done.store(0, Ordering::Relaxed);
-        self.stage.store(VISIBILITY, Ordering::Relaxed);
-    }
-
-    fn is_cancelled(&self) -> bool {
-        self.cancelled.load(Ordering::Relaxed)
-    }
-}
-
-impl Watch {
-    fn stage_name(&self) -> String {
-        match self.stage.load(Ordering::Relaxed) {
-            0 => "direct".to_owned(),
-            1 => "emission".to_owned(),
-            VISIBILITY => "visibility".to_owned(),
-            stage => format!("bounce {}", stage - 1),
-        }
-    }
-
-    /// Tells the callback; an exception, or an answer of False, is an error.
-    fn tell(&self, callback: Option<&Bound<'_, PyAny>>, point_count: usize) -> PyResult<()> {
-        let Some(callback) = callback else { return Ok(()) };
-        let done = self.done.load(Ordering::Relaxed).min(point_count);
-        let answer = callback.call1((self.stage_name(), done, point_count))?;
-        match answer.extract::<bool>() {
-            Ok(false) if answer.is_instance_of::<pyo3::types::PyBool>() => {
-                Err(Cancelled::new_err("the bake was stopped by its progress callback"))
-            }
-            _ => Ok(()),
-        }
-    }
-}
-
 /// Bakes a mesh behind blockers; `progress` is called with a stage, points done and points in all.
 #[pyfunction]
 pub fn bake<'py>(
@@ -135,23 +72,15 @@ pub fn bake<'py>(
     let of_bake = settings.of_bake()?;
     let mut blocking = Blockers::default();
     blockers.iter().try_for_each(|blocker| blocking.add(&blocker.0)).map_err(raise)?;
-    let points = LightingPoints::from_mesh(&mesh.0).map_err(raise)?;
+    let points = py.detach(|| LightingPoints::from_mesh(&mesh.0)).map_err(raise)?;
     blocking.check_beside(&points).map_err(raise)?;
-    let pool = settings.threads.map(|threads| {
-        let built = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build();
-        built.map_err(|error| PyValueError::new_err(format!("{threads} threads: {error}")))
-    });
-    let pool = pool.transpose()?;
-    let watch = Watch { done: 0.into(), stage: 0.into(), cancelled: false.into() };
-    let work = || {
-        let bake = || {
+    let watch = Watch::new("direct", points.positions.len());
+    let transfer = watch.over(py, progress, || {
+        on_threads(settings.threads, || {
             let bvh = Bvh::of_scene(&points, &blocking);
             ylm_prt::transfer::bake(&points, &bvh, &of_bake, &watch)
-        };
-        pool.as_ref().map_or_else(bake, |pool| pool.install(bake))
-    };
-    let transfer = watched(py, &work, &watch, progress, points.positions.len())?;
-    watch.tell(progress, points.positions.len())?;
+        })
+    })?;
 
     let mut record = BakeRecord::new(&of_bake, settings.source, settings.source_sha256);
     (record.blockers, record.blockers_sha256) = (settings.blockers, settings.blockers_sha256);
@@ -159,37 +88,24 @@ pub fn bake<'py>(
     Ok(Baked::new(baked))
 }
 
-/// Runs `work` on a thread of its own while this one answers signals and tells the callback.
-fn watched(
-    py: Python<'_>,
-    work: &(dyn Fn() -> ylm_prt::Result<Transfer> + Sync),
-    watch: &Watch,
-    progress: Option<&Bound<'_, PyAny>>,
-    point_count: usize,
-) -> PyResult<Transfer> {
-    std::thread::scope(|scope| {
-        let (sender, receiver) = channel();
-        scope.spawn(move || {
-            // Nobody listens any more once the bake is given up.
-            let _ = sender.send(work());
-        });
-        let receiver = Arc::new(Mutex::new(receiver));
-        let wait =
-            |receiver: &Mutex<Receiver<_>>| receiver.lock().expect("used here alone").recv_timeout(TICK);
-        loop {
-            match py.detach(|| wait(&receiver)) {
-                Ok(transfer) => return transfer.map_err(raise),
-                Err(RecvTimeoutError::Disconnected) => {
-                    return Err(PyValueError::new_err("the bake ended without a result"));
-                }
-                Err(RecvTimeoutError::Timeout) => {}
-            }
-            if let Err(error) = py.check_signals().and_then(|()| watch.tell(progress, point_count)) {
-                watch.cancelled.store(true, Ordering::Relaxed);
-                // The thread ends within milliseconds; other Python threads run meanwhile.
-                while matches!(py.detach(|| wait(&receiver)), Err(RecvTimeoutError::Timeout)) {}
-                return Err(error);
-            }
-        }
-    })
+/// The share of the cosine-weighted hemisphere that each lighting point sees, [points]; `rays` is rays a point, seed, bias and length.
+#[pyfunction]
+pub fn visible_shares<'py>(
+    py: Python<'py>,
+    baked: &Baked,
+    rays: (u32, u64, f32, f32),
+    threads: Option<usize>,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (rays, seed, bias, t_max) = rays;
+    let settings = BakeSettings { rays, seed, bias, t_max, ..BakeSettings::default() };
+    let (points, blocking) = (&baked.baked.points, &baked.baked.blockers);
+    let watch = Watch::new("shares", points.positions.len());
+    let shares = watch.over(py, progress, || {
+        on_threads(threads, || {
+            let bvh = Bvh::of_scene(points, blocking);
+            ylm_prt::transfer::visible_shares(points, &bvh, &settings, &watch)
+        })
+    })?;
+    array_of(py, shares, &[points.positions.len()])
 }

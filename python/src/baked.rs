@@ -10,19 +10,21 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use ylm_prt::format::{read_baked, write_baked};
 use ylm_prt::light::LightCoeffs;
-use ylm_prt::render::{Raster, render};
-use ylm_prt::scene::{Bvh, Camera, View};
-use ylm_prt::shade::{AtEachPoint, GlossyMaterial, shade_diffuse, shade_diffuse_under, shade_glossy};
+use ylm_prt::render::render;
+use ylm_prt::scene::Bvh;
+use ylm_prt::shade::{shade_diffuse, shade_glossy};
 use ylm_prt::transfer::Precision;
 
-use crate::arrays::{Array, array_of, coeff_shape, float_array, numbers, rows, wrong_shape};
+use crate::arrays::{Array, array_of, coeff_shape, float_array, numbers, wrong_shape};
 use crate::error::raise;
-use crate::light::{Light, flat, light_coeffs, pixels_of};
+use crate::light::{light_coeffs, pixels_of};
+use crate::picture::{Background, camera, of_points, raster};
+use crate::relight::glossy;
 
 /// A baked scene, which nobody changes.
 #[pyclass(frozen, module = "ylm._native")]
 pub struct Baked {
-    baked: ylm_prt::transfer::Baked,
+    pub baked: ylm_prt::transfer::Baked,
     /// Of the points' own triangles, for pictures.
     bvh: OnceLock<Bvh>,
 }
@@ -32,8 +34,14 @@ impl Baked {
         Self { baked, bvh: OnceLock::new() }
     }
 
-    fn point_count(&self) -> usize {
+    pub fn point_count(&self) -> usize {
         self.baked.points.positions.len()
+    }
+
+    /// Of the points' own triangles.
+    pub fn bvh(&self) -> &Bvh {
+        let points = &self.baked.points;
+        self.bvh.get_or_init(|| Bvh::build(&points.positions, &points.triangles))
     }
 }
 
@@ -175,6 +183,15 @@ impl Baked {
         self.baked.record.ylm_version.clone()
     }
 
+    #[getter]
+    fn source_sha256(&self) -> String {
+        self.baked.record.source_sha256.clone()
+    }
+
+    fn only_points(&self, start: usize, stop: usize) -> PyResult<Self> {
+        Ok(Self::new(self.baked.only_points(start..stop).map_err(raise)?))
+    }
+
     fn only_bounce(&self, bounce: usize) -> PyResult<Self> {
         Ok(Self::new(self.baked.only_bounce(bounce).map_err(raise)?))
     }
@@ -192,32 +209,13 @@ impl Baked {
         eye: [f32; 3],
         material: [f32; 3],
     ) -> PyResult<Bound<'py, PyAny>> {
-        let [diffuse, specular, shininess] = material;
-        let material = GlossyMaterial { diffuse, specular, shininess };
+        let material = glossy(material);
         self.shade_each(py, light, |light| shade_glossy(&self.baked, light, &material, Vec3::from(eye)))
-    }
-
-    /// Radiance [points, 3] under a light that each point sees from where it is.
-    fn shade_near<'py>(&self, py: Python<'py>, light: &Light) -> PyResult<Bound<'py, PyAny>> {
-        let bands = self.baked.transfer.bands;
-        let (far, near) = (light.0.far(), light.0.local());
-        let radiance = py.detach(|| {
-            let far = far.project(bands)?;
-            let project = |place: Vec3| {
-                let mut coeffs = near.project_at(place, bands)?;
-                for (channel, far) in coeffs.channels.iter_mut().zip(&far.channels) {
-                    channel.iter_mut().zip(far).for_each(|(near, far)| *near += far);
-                }
-                Ok(coeffs)
-            };
-            shade_diffuse_under(&self.baked, &AtEachPoint::new(bands, &project))
-        });
-        array_of(py, flat(&radiance.map_err(raise)?), &[self.point_count(), 3])
     }
 
     /// Where a camera that shows all of the scene is.
     fn eye(&self, view: [f32; 3], distance: Option<f32>, aspect: f32) -> PyResult<[f32; 3]> {
-        Ok(self.camera(view, distance, aspect)?.eye().to_array())
+        Ok(camera(&self.baked.points.positions, view, distance, aspect)?.eye().to_array())
     }
 
     /// A picture [h, w, 3] of radiance [points, 3] before a background; `size` is width, height and rays a pixel.
@@ -230,60 +228,19 @@ impl Baked {
         size: (usize, usize, usize),
         background: Background<'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let radiance: Array<'_, f32> = float_array(("radiance", radiance))?;
-        let (_, list) = rows::<f32, 3>("radiance", &radiance)?;
-        if *radiance.shape() != [self.point_count(), 3] {
-            let expected = format!("({}, 3)", self.point_count());
-            return Err(wrong_shape("radiance", radiance.shape(), &expected));
-        }
-        let (width, height, samples) = size;
-        let raster = Raster { width, height, samples };
-        let camera = self.camera(view, distance, raster.aspect())?;
-        let radiance: Vec<Vec3> = list.iter().map(|value| Vec3::from(*value)).collect();
-        let light = match &background {
-            Background::Light(light) => Some(light.get()),
-            Background::Colour(_) => None,
-        };
-        let colour = match &background {
-            Background::Colour(colour) => Vec3::from(*colour),
-            Background::Light(_) => Vec3::ZERO,
-        };
-        let behind =
-            |direction: Vec3| light.map_or(colour, |light| light.0.radiance_at(camera.eye(), direction));
+        let radiance = of_points(radiance, self.point_count())?;
+        let raster = raster(size);
         let points = &self.baked.points;
-        let image = py.detach(|| {
-            let bvh = self.bvh.get_or_init(|| Bvh::build(&points.positions, &points.triangles));
-            render(points, bvh, &radiance, &camera, &raster, &behind)
-        });
+        let camera = camera(&points.positions, view, distance, raster.aspect())?;
+        let behind = background.seen_from(camera.eye());
+        let image = py.detach(|| render(points, self.bvh(), &radiance, &camera, &raster, &behind));
         pixels_of(py, image.map_err(raise)?)
     }
 }
 
-/// What is seen where no surface is.
-#[derive(FromPyObject)]
-enum Background<'py> {
-    Light(Bound<'py, Light>),
-    Colour([f32; 3]),
-}
-
 impl Baked {
-    fn camera(
-        &self,
-        [azimuth, elevation, field_of_view]: [f32; 3],
-        distance: Option<f32>,
-        aspect: f32,
-    ) -> PyResult<Camera> {
-        let view = View { azimuth, elevation, field_of_view };
-        let positions = &self.baked.points.positions;
-        let camera = match distance {
-            Some(distance) => Camera::orbit(positions, &view, distance),
-            None => Camera::fit(positions, &view, aspect, 0.06),
-        };
-        camera.map_err(raise)
-    }
-
     /// Shades under each of several lights.
-    fn shade_each<'py>(
+    pub fn shade_each<'py>(
         &self,
         py: Python<'py>,
         light: &Bound<'py, PyAny>,

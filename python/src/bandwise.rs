@@ -3,13 +3,15 @@
 use numpy::PyUntypedArrayMethods;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 use ylm::convert::Convention;
+use ylm::product::zonal::ZonalZonal;
 use ylm::window::{Window, laplacian_for, least_nonnegative};
 use ylm::zonal::Zonal;
 
 use crate::arrays::{
-    Array, Number, array_of, bands, coeff_shape, floats, in_precision, numbers, output, rows, same_batch,
-    with_last, wrong_shape,
+    Array, Arrays, Number, array_of, bands, coeff_shape, float_array, floats, in_precision, numbers, output,
+    rows, same_batch, shape_text, with_last, wrong_shape,
 };
 use crate::error::refuse;
 
@@ -22,9 +24,83 @@ pub fn zonal<'py>(py: Python<'py>, kind: &str, parameter: f64, bands: usize) -> 
         "directional" => Zonal::directional(bands),
         "disc" => Zonal::disc(parameter, bands).map_err(refuse)?,
         "phong" => Zonal::phong(parameter, bands).map_err(refuse)?,
+        "henyey_greenstein" => Zonal::henyey_greenstein(parameter, bands).map_err(refuse)?,
         _ => return Err(PyValueError::new_err(format!("there is no zonal function \"{kind}\""))),
     };
     array_of(py, zonal.coeffs().to_vec(), &[bands.count()])
+}
+
+/// z_l of a function that is tabulated over cos θ, [k] and [k] to [n].
+#[pyfunction]
+pub fn zonal_tabulated<'py>(
+    py: Python<'py>,
+    cosines: &Bound<'py, PyAny>,
+    values: &Bound<'py, PyAny>,
+    bands: usize,
+) -> PyResult<Bound<'py, PyAny>> {
+    let bands = self::bands(bands)?;
+    let (cosines, values): (Array<'_, f64>, Array<'_, f64>) =
+        (float_array(("cosines", cosines))?, float_array(("values", values))?);
+    if cosines.ndim() != 1 || cosines.shape() != values.shape() {
+        let expected = format!("(k,), as cosines, which has {}", shape_text(cosines.shape()));
+        return Err(wrong_shape("values", values.shape(), &expected));
+    }
+    let table: Vec<[f64; 2]> =
+        numbers(&cosines).iter().zip(numbers(&values)).map(|(&x, &y)| [x, y]).collect();
+    let zonal = py.detach(|| Zonal::<f64>::tabulated(&table, bands)).map_err(refuse)?;
+    array_of(py, zonal.coeffs().to_vec(), &[bands.count()])
+}
+
+/// √(4π/(2l+1)) z_l, [n].
+#[pyfunction]
+pub fn zonal_band_factors<'py>(py: Python<'py>, zonal: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    in_precision!(floats(&[("zonal", zonal)])?, |[zonal]| {
+        let kernel = kernel(zonal)?;
+        let factors = (0..kernel.bands().count()).map(|l| kernel.band_factor(l)).collect();
+        array_of(py, factors, zonal.shape())
+    })
+}
+
+/// The product of zonal functions [..., n] around the same axis.
+#[pyfunction]
+pub fn zonal_multiply<'py>(py: Python<'py>, zonals: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
+    let zonals: Vec<Bound<'py, PyAny>> = zonals.iter().collect();
+    let arguments: Vec<_> = zonals.iter().map(|zonal| ("a zonal function", zonal)).collect();
+    match floats(&arguments)? {
+        Arrays::Single(found) => multiplied(py, &found),
+        Arrays::Double(found) => multiplied(py, &found),
+    }
+}
+
+fn multiplied<'py, T: Number>(py: Python<'py>, zonals: &[Array<'py, T>]) -> PyResult<Bound<'py, PyAny>> {
+    let Some(first) = zonals.first() else {
+        return Err(PyValueError::new_err("there are no zonal functions; a product takes 1 to 32"));
+    };
+    let Some(&count) = first.shape().last() else {
+        return Err(wrong_shape("a zonal function", first.shape(), "(..., n)"));
+    };
+    for zonal in zonals {
+        same_batch(["a zonal function", "another"], [first.shape(), zonal.shape()])?;
+    }
+    let bands = bands(count)?;
+    let slices: Vec<&[T]> = zonals.iter().map(numbers).collect();
+    output(py, first.shape(), slices[0].len() * count * slices.len(), |out| {
+        let product = ZonalZonal::with_factors(bands, slices.len())?;
+        for (row, out) in out.chunks_exact_mut(count).enumerate() {
+            let factors: Vec<&[T]> = slices.iter().map(|slice| &slice[row * count..][..count]).collect();
+            product.product(&factors, out)?;
+        }
+        Ok(())
+    })
+}
+
+/// ∫ (Δf)² over the sphere, summed over functions [..., n²].
+#[pyfunction]
+pub fn squared_laplacian(coeffs: &Bound<'_, PyAny>) -> PyResult<f64> {
+    in_precision!(floats(&[("coeffs", coeffs)])?, |[coeffs]| {
+        let (_, bands) = coeff_shape("coeffs", coeffs.shape())?;
+        ylm::window::squared_laplacian(bands, numbers(coeffs)).map_err(refuse)
+    })
 }
 
 /// Zonal coefficients [n] as a kernel.
@@ -82,7 +158,8 @@ pub fn zonal_rotate<'py>(
     })
 }
 
-fn window_of(kind: &str, parameter: f64) -> PyResult<Window> {
+/// A window by its name.
+pub fn window_of(kind: &str, parameter: f64) -> PyResult<Window> {
     let window = match kind {
         "hann" => Window::Hann(parameter),
         "lanczos" => Window::Lanczos(parameter),

@@ -1,6 +1,7 @@
 //! Lights, and pictures of them.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::{Quat, Vec3};
 use numpy::PyUntypedArrayMethods;
@@ -8,7 +9,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use ylm_prt::format::{write_light, write_light_description};
 use ylm_prt::image::{Image, ReadOptions};
-use ylm_prt::light::LightCoeffs;
+use ylm_prt::light::{LightCoeffs, Source};
 use ylm_prt::render::{ToneMap, develop as develop_image};
 
 use crate::arrays::{Array, array_of, coeff_shape, float_array, numbers, released, rows, wrong_shape};
@@ -28,6 +29,13 @@ impl Light {
     fn new(py: Python<'_>, words: &str, repair: bool) -> PyResult<Self> {
         let read = || ylm_prt::light::Light::parse_with(words, &read_options(repair));
         Ok(Self(py.detach(read).map_err(raise)?))
+    }
+
+    /// The function of coefficients [3, n²], or of one colour [n²].
+    #[staticmethod]
+    fn of_coeffs(coeffs: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let coeffs = crate::relight::one_light(coeffs)?;
+        Ok(Self(ylm_prt::light::Light::of(Source::Coeffs(Arc::new(coeffs)))))
     }
 
     fn project<'py>(&self, py: Python<'py>, bands: usize, point: [f32; 3]) -> PyResult<Bound<'py, PyAny>> {

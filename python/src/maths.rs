@@ -212,6 +212,68 @@ pub fn image_texels<'py>(
     Ok((directions, array_of(py, angles, &[height, width])?))
 }
 
+/// The name of the layout that pictures of a shape usually have.
+#[pyfunction]
+pub fn image_layout(height: usize, width: usize) -> Option<&'static str> {
+    let found = Layout::of_shape(width, height)?;
+    LAYOUTS.iter().find(|(_, layout)| *layout == found).map(|(name, _)| *name)
+}
+
+/// Rows and columns [...] of the texels that show directions [..., 3].
+#[pyfunction]
+pub fn image_locate<'py>(
+    py: Python<'py>,
+    directions: &Bound<'py, PyAny>,
+    height: usize,
+    width: usize,
+    layout: Option<&str>,
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+    let grid = self::layout(layout, width, height)?;
+    let directions: Array<'_, f64> = float_array(("directions", directions))?;
+    let (batch, list) = rows::<f64, 3>("directions", &directions)?;
+    let is_none = |d: &[f64; 3]| d.iter().any(|x| !x.is_finite()) || d.iter().all(|x| *x == 0.0);
+    if let Some(row) = list.iter().position(is_none) {
+        let message = format!("direction {row} is {:?}; it must be finite and not zero", list[row]);
+        return Err(PyValueError::new_err(message));
+    }
+    let (rows, columns): (Vec<i64>, Vec<i64>) = released(py, list.len() * 10, || {
+        list.iter().map(|direction| grid.locate(*direction)).map(|(x, y)| (y as i64, x as i64)).unzip()
+    });
+    Ok((array_of(py, rows, batch)?, array_of(py, columns, batch)?))
+}
+
+/// P̄_lm of order m, l = m … n−1, at cosines [...]: [..., n − m].
+#[pyfunction]
+pub fn legendre<'py>(
+    py: Python<'py>,
+    order: usize,
+    bands: usize,
+    cosines: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let bands = crate::arrays::bands(bands)?;
+    let cosines: Array<'_, f64> = float_array(("cosines", cosines))?;
+    if let Some(cosine) = numbers(&cosines).iter().find(|cosine| !(-1.0..=1.0).contains(*cosine)) {
+        return Err(PyValueError::new_err(format!("a cosine is {cosine}; it must be between −1 and 1")));
+    }
+    let Some(count) = bands.count().checked_sub(order).filter(|count| *count > 0) else {
+        let message = format!("order is {order}; expected 0 to {}, below bands", bands.count() - 1);
+        return Err(PyValueError::new_err(message));
+    };
+    let values = numbers(&cosines);
+    output(py, &with_last(cosines.shape(), count), values.len() * bands.count(), |out| {
+        for (&x, out) in values.iter().zip(out.chunks_exact_mut(count)) {
+            ylm::legendre::row(order, bands.count(), x, ((1.0 - x) * (1.0 + x)).sqrt(), out);
+        }
+        Ok(())
+    })
+}
+
+/// The instruction sets of this machine that kernels have, the one that is used last.
+#[pyfunction]
+pub fn instruction_sets() -> Vec<&'static str> {
+    ylm::Level::available().into_iter().map(ylm::Level::name).collect()
+}
+
 /// Nodes and weights of the Gauss–Legendre rule.
 #[pyfunction]
 pub fn gauss_legendre(py: Python<'_>, count: usize) -> PyResult<(Bound<'_, PyAny>, Bound<'_, PyAny>)> {

@@ -122,7 +122,7 @@ impl Mesh {
 }
 
 /// Finite vectors [count, 3].
-fn vectors(what: &str, object: &Bound<'_, PyAny>, count: Option<usize>) -> PyResult<Vec<Vec3>> {
+pub fn vectors(what: &str, object: &Bound<'_, PyAny>, count: Option<usize>) -> PyResult<Vec<Vec3>> {
     let array: Array<'_, f32> = float_array((what, object))?;
     if array.ndim() != 2 || count.is_some_and(|count| array.shape()[0] != count) {
         let expected = count.map_or("(p, 3)".to_owned(), |count| format!("({count}, 3)"));

@@ -4,13 +4,14 @@ use numpy::PyUntypedArrayMethods;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
+use ylm::product::band_forms::BandForms;
 use ylm::product::cap::CapProduct;
-use ylm::product::gaunt::{Gaunt, tripling};
+use ylm::product::gaunt::{BruteForce, Gaunt, tripling};
 use ylm::product::grid::{Factor, Grid};
 use ylm::product::matrix::ProductMatrix;
 use ylm::product::zonal::ZonalProduct;
 use ylm::product::{Method, chain};
-use ylm::{Bands, Workspace};
+use ylm::{Bands, Level, Workspace};
 
 use crate::arrays::{
     Array, Number, array_of, bands, coeff_shape, floats, in_precision, numbers, output, rows, same_batch,
@@ -63,7 +64,7 @@ pub fn product<'py>(
     method: &str,
 ) -> PyResult<Bound<'py, PyAny>> {
     let way = match method {
-        "auto" | "chain" => Method::Auto,
+        "auto" | "chain" | "brute-force" => Method::Auto,
         "unrolled" => Method::Unrolled,
         "gaunt" => Method::Gaunt,
         "fourier" => Method::Fourier,
@@ -71,7 +72,7 @@ pub fn product<'py>(
         "grid-in-double" => Method::GridInDouble,
         _ => {
             return Err(PyValueError::new_err(format!(
-                "method is \"{method}\"; expected auto, unrolled, gaunt, fourier, grid, grid-in-double or chain"
+                "method is \"{method}\"; expected auto, unrolled, gaunt, fourier, grid, grid-in-double, chain or brute-force"
             )));
         }
     };
@@ -82,6 +83,15 @@ pub fn product<'py>(
             "chain" => chain::product(&slices, out, |a, b, out| {
                 ylm::product::product(bands, &[a, b], Method::Auto, out)
             }),
+            "brute-force" => {
+                let tensor = BruteForce::new(bands, slices.len())?;
+                let width = bands.coeff_count();
+                for (row, out) in out.chunks_exact_mut(width).enumerate() {
+                    let factors: Vec<_> = slices.iter().map(|slice| &slice[row * width..][..width]).collect();
+                    tensor.product(&factors, out)?;
+                }
+                Ok(())
+            }
             _ => ylm::product::product(bands, &slices, way, out),
         })
     })
@@ -98,6 +108,35 @@ pub fn product_integral<'py>(py: Python<'py>, factors: &Bound<'py, PyTuple>) -> 
             let grid = Grid::new(bands, slices.len().saturating_sub(1).max(1))?;
             let rows: Vec<_> = slices.iter().map(|factor| Factor::Rows(factor)).collect();
             grid.integral(&rows, 1, out, &mut Workspace::new())
+        })
+    })
+}
+
+/// What each band of f and g, [..., n²], adds to ∫ f g h of the bands below, h one function [n²]: [..., n].
+#[pyfunction]
+pub fn band_integrals<'py>(
+    py: Python<'py>,
+    f: &Bound<'py, PyAny>,
+    g: &Bound<'py, PyAny>,
+    h: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    in_precision!(floats(&[("f", f), ("g", g), ("h", h)])?, |[f, g, h]| {
+        let (batch, bands) = coeff_shape("f", f.shape())?;
+        same_batch(["f", "g"], [f.shape(), g.shape()])?;
+        let width = bands.coeff_count();
+        if *h.shape() != [width] {
+            return Err(wrong_shape("h", h.shape(), &format!("({width},), one function of as many bands")));
+        }
+        let (f, g, h) = (numbers(f), numbers(g), numbers(h));
+        output(py, &with_last(batch, bands.count()), (f.len() + h.len()) * width, |out| {
+            let forms = BandForms::new(&[h], &mut Workspace::new())?;
+            let pairs = f.chunks_exact(width).zip(g.chunks_exact(width));
+            for (out, (f, g)) in out.chunks_exact_mut(bands.count()).zip(pairs) {
+                for (l, out) in out.iter_mut().enumerate() {
+                    forms.add_band(l, f, g, std::slice::from_mut(out), Level::best())?;
+                }
+            }
+            Ok(())
         })
     })
 }
@@ -207,5 +246,17 @@ pub fn tripling_coefficient(i: usize, j: usize, k: usize) -> PyResult<f64> {
             Err(PyValueError::new_err(format!("index {index} is too large; expected 0 to {}", most - 1)))
         }
         None => Ok(tripling(i, j, k)),
+    }
+}
+
+/// Wigner's 3j symbol of degrees and orders.
+#[pyfunction]
+pub fn wigner_3j(degrees: [usize; 3], orders: [isize; 3]) -> PyResult<f64> {
+    let most = ylm::product::gaunt::MAX_BANDS - 1;
+    match degrees.into_iter().find(|degree| *degree > most) {
+        Some(degree) => {
+            Err(PyValueError::new_err(format!("degree {degree} is too large; expected 0 to {most}")))
+        }
+        None => Ok(ylm::product::gaunt::wigner_3j(degrees, orders)),
     }
 }

@@ -169,6 +169,24 @@ pub fn rotate_frames<'py>(
     })
 }
 
+/// Functions of the world brought to the frames of normals: [..., n²], [..., 3].
+#[pyfunction]
+pub fn rotate_into_frames<'py>(
+    py: Python<'py>,
+    coeffs: &Bound<'py, PyAny>,
+    normals: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    in_precision!(floats(&[("coeffs", coeffs), ("normals", normals)])?, |[coeffs, normals]| {
+        let (batch, bands) = coeff_shape("coeffs", coeffs.shape())?;
+        let (of_normals, normals) = rows::<_, 3>("normals", normals)?;
+        same_batch(["coeffs", "normals"], [batch, of_normals])?;
+        let values = numbers(coeffs);
+        output(py, coeffs.shape(), values.len() * bands.count(), |out| {
+            FrameRotation::new(bands).undo(values, normals, out)
+        })
+    })
+}
+
 /// The matrices [..., n², n²] that turn columns of coefficients.
 #[pyfunction]
 pub fn rotation_matrix<'py>(

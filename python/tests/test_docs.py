@@ -27,7 +27,10 @@ def test_public_items_have_documentation_with_an_example(name, item):
     assert "Notes" in text, f"{name} says nothing of its error or source"
 
 
-@pytest.mark.parametrize("item", [ylm.Baked, ylm.Light, ylm.Mesh, ylm.Turn])
+MEMBERS = [ylm.AxialProduct, ylm.Baked, *ylm.Baked.__mro__[1:-1], ylm.Brdf, ylm.Field, ylm.Light, ylm.Mesh, ylm.Stage]
+
+
+@pytest.mark.parametrize("item", [*MEMBERS, ylm.TurnedProduct, ylm.Turn])
 def test_public_members_have_documentation(item):
     for name, member in vars(item).items():
         if not name.startswith("_"):

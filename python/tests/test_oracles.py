@@ -158,3 +158,106 @@ def test_the_texels_of_a_layout_cover_the_sphere_once(layout, shape):
     _, solid_angles = ylm.image_texels(*shape, layout)
     # Measured 3e-14 for the angular map.
     assert abs(solid_angles.sum() / (4 * np.pi) - 1) <= 1e-13
+
+
+def upper_hemisphere(degree: int) -> tuple[np.ndarray, np.ndarray]:
+    """Directions and weights of the hemisphere around +z, exact to a degree: what a clamped cosine does not cut is a polynomial."""
+    nodes, weights = scipy.special.roots_legendre(degree // 2 + 1)
+    nodes, weights = 0.5 * (nodes + 1), 0.5 * weights
+    phi = 2 * np.pi * np.arange(degree + 1) / (degree + 1)
+    sine = np.sqrt(1 - nodes**2)[:, None]
+    z = np.broadcast_to(nodes[:, None], (len(nodes), len(phi)))
+    directions = np.stack([sine * np.cos(phi), sine * np.sin(phi), z], axis=-1)
+    weights = np.broadcast_to(weights[:, None] * 2 * np.pi / (degree + 1), z.shape)
+    return directions.reshape(-1, 3), weights.reshape(-1)
+
+
+@pytest.mark.parametrize("bands", [1, 3, 9])
+def test_a_product_with_the_whole_cosine_is_quadrature_over_its_hemisphere(bands, random):
+    coeffs, axes = random.normal(size=(4, bands**2)), random.normal(size=(4, 3))
+    directions, weights = upper_hemisphere(2 * bands)
+    basis = scipy_basis(directions, bands)
+    weighted = basis * (weights * directions[:, 2])[:, None]
+    cosine = ylm.AxialProduct.clamped_cosine(bands)
+    expected = coeffs @ basis.T @ weighted
+    norm = np.linalg.norm(coeffs, axis=-1, keepdims=True)
+    assert (np.abs(cosine.in_frame(coeffs) - expected) / norm).max() <= 1e-13
+    single = cosine.in_frame(coeffs.astype(np.float32))
+    assert single.dtype == np.float32 and (np.abs(single - expected) / norm).max() <= 2e-6
+    # In the world, by scipy's rotation of the quadrature's directions.
+    turned = ylm.rotate_into_frames(coeffs, axes)
+    assert np.allclose(cosine.into_frames(coeffs, axes), cosine.in_frame(turned), rtol=0, atol=1e-13 * norm.max())
+    for row, axis in enumerate(axes):
+        there = Rotation.align_vectors([axis], [[0, 0, 1]])[0].apply(directions)
+        basis = scipy_basis(there, bands)
+        expected = (coeffs[row] @ basis.T * weights * directions[:, 2]) @ basis
+        assert np.abs(cosine.in_world(coeffs, axes)[row] - expected).max() <= 1e-13 * norm[row]
+
+
+def test_turned_products_are_products_with_the_turned_kernel(random):
+    f, d = random.normal(size=(3, 1, 36)), random.normal(size=(5, 3))
+    for kernel in (ylm.zonal.clamped_cosine(3), ylm.zonal.phong(4, 6)):
+        padded = np.pad(kernel, (0, 6 - len(kernel)))
+        found = ylm.TurnedProduct(kernel, 6).product(f, d)
+        assert found.shape == (3, 5, 36)
+        assert np.abs(found - ylm.product(f, ylm.zonal.rotate(padded, d))).max() <= 1e-12
+
+
+def test_products_by_the_full_tensor_agree(random):
+    factors = random.normal(size=(3, 2, 9))
+    assert np.abs(ylm.product(*factors, method="brute-force") - ylm.product(*factors)).max() <= 1e-12
+
+
+def test_integrals_by_band_sum_up_to_the_quadrature(random):
+    f, g, h = random.normal(size=(2, 25)), random.normal(size=25), random.normal(size=25)
+    directions, weights = scipy_grid(12)
+    basis = scipy_basis(directions, 5)
+    found = ylm.band_integrals(f, g, h)
+    for bands in range(1, 6):
+        count = bands**2
+        values = (f[:, :count] @ basis[:, :count].T) * (basis[:, :count] @ g[:count]) * (basis @ h)
+        assert np.abs(found[:, :bands].sum(axis=-1) - values @ weights).max() <= 1e-12
+
+
+def test_lobes_are_scipys_quadrature():
+    nodes, weights = scipy.special.roots_legendre(400)
+    legendre = np.sqrt((2 * np.arange(7) + 1) / (4 * np.pi)) * scipy.special.eval_legendre(np.arange(7), nodes[:, None])
+    g = -0.4
+    values = (1 - g * g) / (4 * np.pi) / (1 + g * g - 2 * g * nodes) ** 1.5
+    expected = 2 * np.pi * (weights * values) @ legendre
+    assert np.abs(ylm.zonal.henyey_greenstein(g, 7) - expected).max() <= 1e-13
+    # Straight pieces, each by a rule of its own.
+    table = np.array([[-1.0, 0.5], [-0.2, 0.1], [0.3, 2.0], [0.9, 0.0]])
+    expected = np.zeros(7)
+    for (x0, y0), (x1, y1) in zip(table, table[1:]):
+        x = x0 + 0.5 * (nodes + 1) * (x1 - x0)
+        y = y0 + (x - x0) / (x1 - x0) * (y1 - y0)
+        rows = np.sqrt((2 * np.arange(7) + 1) / (4 * np.pi)) * scipy.special.eval_legendre(np.arange(7), x[:, None])
+        expected += 2 * np.pi * 0.5 * (x1 - x0) * (weights * y) @ rows
+    assert np.abs(ylm.zonal.tabulated(*table.T, 7) - expected).max() <= 1e-12
+    assert np.abs(ylm.legendre(0, 7, nodes) - legendre).max() <= 1e-13
+    found = ylm.zonal.multiply(expected, expected, expected)
+    nodes, weights = scipy.special.roots_legendre(30)
+    rows = np.sqrt((2 * np.arange(7) + 1) / (4 * np.pi)) * scipy.special.eval_legendre(np.arange(7), nodes[:, None])
+    assert np.abs(found - 2 * np.pi * (weights * (rows @ expected) ** 3) @ rows).max() <= 1e-12
+
+
+def test_wigners_symbols_are_orthogonal():
+    for l3 in range(5):
+        for m3 in range(-l3, l3 + 1):
+            total = sum(
+                (2 * l3 + 1) * ylm.wigner_3j((3, 2, l3), (m1, m2, m3)) ** 2 for m1 in range(-3, 4) for m2 in range(-2, 3)
+            )
+            assert total == pytest.approx(1.0 if 1 <= l3 <= 5 else 0.0, abs=1e-13)
+    assert ylm.wigner_3j((3, 2, 5), (1, 1, -2)) != 0
+
+
+@pytest.mark.parametrize(
+    "layout, shape",
+    [("latlong", (16, 32)), ("cube-column", (48, 8)), ("angular", (32, 32)), ("mirror", (32, 32)), ("horizontal-cross", (24, 32))],
+)
+def test_texels_are_found_where_they_look(layout, shape):
+    directions, solid_angles = ylm.image_texels(*shape, layout)
+    shown = solid_angles > 0
+    rows, columns = ylm.image_locate(directions[shown] * 3.0, *shape, layout)
+    assert np.array_equal(np.argwhere(shown), np.stack([rows, columns], axis=-1))

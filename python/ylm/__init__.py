@@ -17,15 +17,21 @@ True
 """
 
 from ylm import zonal
-from ylm._bake import Baked, bake, load
+from ylm._axial import AxialProduct, TurnedProduct, diffuse_from_product
+from ylm._bake import bake, load
+from ylm._baked import Baked
+from ylm._brdf import Brdf
 from ylm._convert import CONVENTIONS, convert
 from ylm._native import Cancelled, FileError, __version__
 from ylm._exponential import exp, log
-from ylm._image import image_texels, project_image
+from ylm._field import Field, bake_field, enclosing_sphere, load_field, sphere_set
+from ylm._image import image_layout, image_locate, image_texels, project_image
 from ylm._light import Light, develop, light, read_image, save_image, save_light
 from ylm._mesh import Mesh
+from ylm._pixels import render_per_pixel
 from ylm._product import (
     band_energies,
+    band_integrals,
     cap_product,
     chain_truncation,
     gaunt,
@@ -33,12 +39,20 @@ from ylm._product import (
     product_integral,
     product_matrix,
     tripling_coefficient,
+    wigner_3j,
 )
-from ylm._rotate import Turn, rotate, rotate_frames, rotate_z, rotation_matrix
+from ylm._receive import cap_visibility, dim, linear_irradiance, receive
+from ylm._relight import STAGES, AdaptiveFrame, Judged, Region
+from ylm._rotate import Turn, rotate, rotate_frames, rotate_into_frames, rotate_z, rotation_matrix
 from ylm._sphere import (
     basis,
+    degree_order,
     dot,
     eval,
+    gauss_legendre,
+    index,
+    instruction_sets,
+    legendre,
     polygon,
     project,
     project_values,
@@ -46,33 +60,62 @@ from ylm._sphere import (
     sphere_grid,
     stratified_samples,
 )
-from ylm._window import minimum, window, window_weights
+from ylm._stage import Actor, FieldFrame, Ground, Stage, load_stage
+from ylm._window import minimum, squared_laplacian, window, window_weights
 from ylm.zonal import convolve
 
 __all__ = [
+    "Actor",
+    "AdaptiveFrame",
+    "AxialProduct",
     "Baked",
+    "Brdf",
     "CONVENTIONS",
     "Cancelled",
+    "Field",
+    "FieldFrame",
     "FileError",
+    "Ground",
+    "Judged",
     "Light",
     "Mesh",
+    "Region",
+    "STAGES",
+    "Stage",
     "Turn",
+    "TurnedProduct",
     "__version__",
     "bake",
+    "bake_field",
     "band_energies",
+    "band_integrals",
     "basis",
     "cap_product",
+    "cap_visibility",
     "chain_truncation",
     "convert",
     "convolve",
+    "degree_order",
     "develop",
+    "diffuse_from_product",
+    "dim",
     "dot",
+    "enclosing_sphere",
     "eval",
     "exp",
     "gaunt",
+    "gauss_legendre",
+    "image_layout",
+    "image_locate",
     "image_texels",
+    "index",
+    "instruction_sets",
+    "legendre",
     "light",
+    "linear_irradiance",
     "load",
+    "load_field",
+    "load_stage",
     "log",
     "minimum",
     "polygon",
@@ -83,16 +126,22 @@ __all__ = [
     "project_image",
     "project_values",
     "read_image",
+    "receive",
+    "render_per_pixel",
     "rotate",
     "rotate_frames",
+    "rotate_into_frames",
     "rotate_z",
     "rotation_matrix",
     "save_image",
     "save_light",
     "solid_angle",
     "sphere_grid",
+    "sphere_set",
+    "squared_laplacian",
     "stratified_samples",
     "tripling_coefficient",
+    "wigner_3j",
     "window",
     "window_weights",
     "zonal",

@@ -19,6 +19,22 @@ def counted(what: str, value: int, least: int = 0) -> int:
     return value
 
 
+def whole(what: str, value: int, limit: int) -> int:
+    """A whole number from 0 to below `limit`."""
+    if not 0 <= value < limit:
+        raise ValueError(f"{what} is {value}; expected 0 to {limit - 1}")
+    return value
+
+
+def triple(what: str, value: ArrayLike) -> tuple[float, float, float]:
+    """Three numbers."""
+    array = np.asarray(value, np.float64)
+    if array.shape != (3,):
+        raise ValueError(f"{what} has shape {array.shape}; expected (3,)")
+    x, y, z = array.tolist()
+    return x, y, z
+
+
 def real_array(value: ArrayLike) -> Array:
     """The argument as an array; float32 and float64 as they are, other numbers as float64."""
     array: Array = np.asarray(value)
@@ -27,9 +43,19 @@ def real_array(value: ArrayLike) -> Array:
     return array
 
 
+def alike(arguments: Sequence[ArrayLike]) -> list[Array]:
+    """Arguments as arrays: what is none, a list or a number, takes float32 beside arrays that all are float32."""
+    arrays = [argument for argument in arguments if isinstance(argument, np.ndarray)]
+    is_single = bool(arrays) and all(array.dtype.kind == "f" and array.dtype.itemsize == 4 for array in arrays)
+    return [
+        argument if isinstance(argument, np.ndarray) else np.asarray(argument, np.float32 if is_single else None)
+        for argument in arguments
+    ]
+
+
 def broadcast_leading(what: Sequence[str], arrays: Sequence[ArrayLike], own: Sequence[int]) -> list[Array]:
     """Arrays whose leading axes are broadcast against each other; the last `own` axes of each are left as they are."""
-    given = [np.asarray(array) for array in arrays]
+    given = alike(arrays)
     for name, array, count in zip(what, given, own):
         if array.ndim < count:
             raise ValueError(f"{name} has shape {array.shape}; expected at least {count} axes")

@@ -77,3 +77,51 @@ def image_texels(height: int, width: int, layout: str | None = None) -> tuple[Ar
     ((32, 64), 4.0)
     """
     return _native.image_texels(counted("height", height, 1), counted("width", width, 1), layout)
+
+
+def image_layout(height: int, width: int) -> str | None:
+    """The layout that pictures of the sphere of this shape usually have; None if there is no usual one.
+
+    Notes
+    -----
+    2:1 is a latlong, 1:1 an angular map, 3:4 and 4:3 a cross, 1:6 and 6:1 a cube. Error: none, but that a square may as well be a
+    mirror ball.
+
+    Examples
+    --------
+    >>> import ylm
+    >>> ylm.image_layout(512, 1024), ylm.image_layout(400, 300)
+    ('latlong', 'vertical-cross')
+    """
+    return _native.image_layout(counted("height", height, 1), counted("width", width, 1))
+
+
+def image_locate(directions: ArrayLike, height: int, width: int, layout: str | None = None) -> tuple[Array, Array]:
+    """The texels of an environment picture that show directions.
+
+    Parameters
+    ----------
+    directions : array_like, shape (..., 3)
+        Of any length but zero.
+    height, width : int
+    layout : str, optional
+        As in `project_image`.
+
+    Returns
+    -------
+    rows, columns : ndarray of int64, shape (...)
+        ``pixels[rows, columns]`` is what a picture shows there.
+
+    Notes
+    -----
+    The inverse of `image_texels`. Error: none, but that a direction between two texels may fall to either.
+
+    Examples
+    --------
+    >>> import numpy as np, ylm
+    >>> directions, _ = ylm.image_texels(8, 16)
+    >>> rows, columns = ylm.image_locate(directions, 8, 16)
+    >>> bool((rows == np.arange(8)[:, None]).all() and (columns == np.arange(16)).all())
+    True
+    """
+    return _native.image_locate(directions, counted("height", height, 1), counted("width", width, 1), layout)

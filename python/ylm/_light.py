@@ -67,6 +67,18 @@ class Light:
         made._light, made._words = light, words
         return made
 
+    @classmethod
+    def of_coeffs(cls, coeffs: ArrayLike) -> Light:
+        """The function of coefficients as a light, shape (3, n**2) or (n**2,): what the bands of a light hold.
+
+        >>> import ylm
+        >>> blurred = ylm.Light.of_coeffs(ylm.light("sky:clear?sun=40,60", bands=3))
+        >>> blurred.project(3).shape
+        (3, 9)
+        """
+        count = np.shape(coeffs)[-1] if np.ndim(coeffs) else 0
+        return cls._of(_native.Light.of_coeffs(coeffs), f"of {count} coefficients")
+
     @property
     def is_local(self) -> bool:
         """Whether a part stands somewhere, so that places see the light differently."""

@@ -23,7 +23,8 @@ def product(*factors: ArrayLike, bands: int | None = None, method: str = "auto")
     method : str
         auto picks the fastest exact one for the size; unrolled (two factors, 2 to 6 bands), gaunt (two, up to 32 bands),
         fourier, grid, grid-in-double. chain multiplies one factor after the other and cuts to n bands each time, which is
-        not exact: `chain_truncation` estimates its error.
+        not exact: `chain_truncation` estimates its error. brute-force sums the full tensor, to compare with: of few bands and
+        factors.
 
     Returns
     -------
@@ -92,6 +93,41 @@ def product_integral(*factors: ArrayLike) -> Array:
     True
     """
     return _native.product_integral(_aligned(factors))
+
+
+def band_integrals(f: ArrayLike, g: ArrayLike, h: ArrayLike) -> Array:
+    """What each further band of f and g adds to the integral of f g h.
+
+    Parameters
+    ----------
+    f, g : array_like, shape (..., n**2)
+        Leading axes broadcast.
+    h : array_like, shape (n**2,)
+        One function, n up to 64.
+
+    Returns
+    -------
+    ndarray, shape (..., n)
+        Entry l: the integral with the bands 0 to l of f and g, less that with 0 to l-1. They sum to `product_integral`.
+
+    Notes
+    -----
+    What adaptive shading climbs by: sums may end after few bands. Error: 1e-6 of the norms in float32, 1e-14 in float64. Source:
+    Lee & Kim 2014, Algorithm 3.
+
+    Examples
+    --------
+    >>> import numpy as np, ylm
+    >>> f, g, h = np.random.default_rng(1).normal(size=(3, 36))
+    >>> by_band = ylm.band_integrals(f, g, h)
+    >>> bool(np.isclose(by_band.sum(), ylm.product_integral(f, g, h)))
+    True
+    >>> bool(np.isclose(by_band[:2].sum(), ylm.product_integral(f[:4], g[:4], h[:9])))
+    True
+    """
+    if np.shape(f) != np.shape(g):
+        f, g = broadcast_leading(["f", "g"], [f, g], [1, 1])
+    return _native.band_integrals(f, g, h)
 
 
 def product_matrix(coeffs: ArrayLike) -> Array:
@@ -189,6 +225,11 @@ class Truncation(NamedTuple):
     #: No chain of factors with these band energies is off by more.
     bound: float
 
+    @property
+    def relative_estimate(self) -> float:
+        """The expected relative error; 0 for a product that is 0."""
+        return 0.0 if self.estimate == 0 else self.estimate / self.expected_norm
+
 
 def chain_truncation(*factors: ArrayLike) -> Truncation:
     """Estimates and bounds the error of ``product(*factors, method="chain")``.
@@ -270,3 +311,33 @@ def tripling_coefficient(i: int, j: int, k: int) -> float:
     least = min(i, j, k)
     counted("an index", least)
     return _native.tripling_coefficient(i, j, k)
+
+
+def wigner_3j(degrees: tuple[int, int, int], orders: tuple[int, int, int]) -> float:
+    """Wigner's 3j symbol.
+
+    Parameters
+    ----------
+    degrees : (int, int, int)
+        Each below 32.
+    orders : (int, int, int)
+
+    Returns
+    -------
+    float
+        Exactly 0 where it vanishes.
+
+    Notes
+    -----
+    Summed in whole numbers. Error: relative 1e-14. Source: Wei 1999, "Unified approach for exact calculation of angular momentum
+    coupling and recoupling coefficients".
+
+    Examples
+    --------
+    >>> import ylm
+    >>> round(ylm.wigner_3j((1, 1, 2), (0, 0, 0)) ** 2, 9)          # 2 / 15
+    0.133333333
+    """
+    l1, l2, l3 = (counted("a degree", degree) for degree in degrees)
+    m1, m2, m3 = orders
+    return _native.wigner_3j((l1, l2, l3), (m1, m2, m3))

@@ -207,6 +207,36 @@ def rotate_frames(coeffs: ArrayLike, normals: ArrayLike, spins: ArrayLike) -> Ar
     return _native.rotate_frames(coeffs, normals, spins)
 
 
+def rotate_into_frames(coeffs: ArrayLike, normals: ArrayLike) -> Array:
+    """Functions of the world, each brought to the frame of a normal of its own, whose z is the normal.
+
+    Parameters
+    ----------
+    coeffs : array_like, shape (..., n**2)
+    normals : array_like, shape (..., 3)
+        Of any length but zero.
+
+    Returns
+    -------
+    ndarray, shape (..., n**2)
+        Leading axes broadcast. The frame's x is the meridian's direction downwards; `rotate_frames` without spin turns back.
+
+    Notes
+    -----
+    Error, source: as `rotate_frames`.
+
+    Examples
+    --------
+    >>> import numpy as np, ylm
+    >>> light, normal = np.random.default_rng(1).normal(size=16), np.array([0.6, 0.48, 0.64])
+    >>> there = ylm.rotate_into_frames(light, normal)
+    >>> bool(np.allclose(ylm.rotate_frames(there, normal, [1.0, 0.0]), light))
+    True
+    """
+    coeffs, normals = broadcast_leading(["coeffs", "normals"], [coeffs, normals], [1, 1])
+    return _native.rotate_into_frames(coeffs, normals)
+
+
 def rotation_matrix(rotation: Any, bands: int) -> Array:
     """The matrices that turn columns of coefficients: ``rotate(c, R)`` is ``rotation_matrix(R, n) @ c``.
 
