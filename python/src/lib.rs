@@ -59,7 +59,7 @@ mod _native {
     #[pymodule_export]
     use super::product::{
         band_energies, band_integrals, cap_product, chain_truncation, gaunt, product, product_integral,
-        product_matrix, tripling_coefficient, wigner_3j, zonal_product,
+        product_matrix, product_method, tripling_coefficient, wigner_3j, zonal_product,
     };
     #[pymodule_export]
     use super::reference::reference;

@@ -10,7 +10,7 @@ use ylm::product::gaunt::{BruteForce, Gaunt, tripling};
 use ylm::product::grid::{Factor, Grid};
 use ylm::product::matrix::ProductMatrix;
 use ylm::product::zonal::ZonalProduct;
-use ylm::product::{Method, chain};
+use ylm::product::{Method, chain, plan};
 use ylm::{Bands, Level, Workspace};
 
 use crate::arrays::{
@@ -94,6 +94,28 @@ pub fn product<'py>(
             }
             _ => ylm::product::product(bands, &slices, way, out),
         })
+    })
+}
+
+/// The name of the method that is taken for so many products of so many functions, of single or double precision.
+#[pyfunction]
+pub fn product_method(bands: usize, factors: usize, rows: usize, precision: &str) -> PyResult<&'static str> {
+    let bands = self::bands(bands)?;
+    let method = match precision {
+        "float32" => plan::choose::<f32>(bands, factors, rows),
+        "float64" => plan::choose::<f64>(bands, factors, rows),
+        _ => {
+            let message = format!("dtype is {precision}; expected float32 or float64");
+            return Err(PyValueError::new_err(message));
+        }
+    };
+    Ok(match method.map_err(refuse)? {
+        Method::Auto => "auto",
+        Method::Unrolled => "unrolled",
+        Method::Gaunt => "gaunt",
+        Method::Fourier => "fourier",
+        Method::Grid => "grid",
+        Method::GridInDouble => "grid-in-double",
     })
 }
 

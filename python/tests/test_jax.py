@@ -77,6 +77,56 @@ def test_values_are_those_of_ylm_and_go_through_jit_and_vmap(random):
     assert np.abs(np.asarray(gradient) - ylm.basis(d, 5).sum(axis=0)).max() <= 1e-13
 
 
+def test_a_mapped_batch_is_one_call_of_a_kernel(random, monkeypatch):
+    calls = []
+    for name in ("product", "convolve", "eval", "rotate"):
+        kernel = getattr(ylm, name)
+        counted = lambda *arguments, kernel=kernel, name=name: calls.append(name) or kernel(*arguments)  # noqa: E731
+        monkeypatch.setattr(ylm, name, counted)
+    f, g = random.normal(size=(2, 6, 3, 16))
+    d, z = random.normal(size=(6, 5, 3)), random.normal(size=(6, 4))
+    q = random.normal(size=(6, 4))
+    turns = np.stack([ylm.Turn(one).as_matrix() for one in q])
+    cases = [
+        (lambda: jax.vmap(ylm_jax.product)(f, g), [ylm.product, f, g], 1),
+        (lambda: jax.vmap(ylm_jax.product, in_axes=(0, None))(f, g[0]), [ylm.product, f, g[0]], 1),
+        (lambda: jax.vmap(jax.vmap(ylm_jax.product))(f, g), [ylm.product, f, g], 1),
+        (lambda: jax.vmap(ylm_jax.convolve)(f, z), [ylm.convolve, f, z[:, None]], 1),
+        (lambda: jax.vmap(ylm_jax.eval, in_axes=(0, None))(f, d[0]), [ylm.eval, f, d[0]], 1),
+        (lambda: jax.vmap(ylm_jax.rotate)(f, q), [ylm.rotate, f, turns[:, None]], 1),
+        (lambda: jax.vmap(ylm_jax.rotate, in_axes=(0, None))(f, turns[0]), [ylm.rotate, f, turns[0]], 1),
+    ]
+    for mapped, (direct, *arguments), count in cases:
+        expected = direct(*arguments)
+        calls.clear()
+        found = np.asarray(mapped())
+        assert len(calls) == count, calls
+        assert np.abs(found - expected).max() <= 1e-12
+    # Directions that are mapped alone, and both: the axes of the functions stand behind those of the map.
+    over = jax.vmap(ylm_jax.eval, in_axes=(None, 0))(f[0], d)
+    assert np.abs(over - np.stack([ylm.eval(f[0], one) for one in d])).max() <= 1e-12
+    both = jax.vmap(ylm_jax.eval)(f, d)
+    assert np.abs(both - np.stack([ylm.eval(*pair) for pair in zip(f, d)])).max() <= 1e-12
+
+
+def test_gradients_go_through_maps(random):
+    f, g = random.normal(size=(2, 4, 16))
+    d, q = random.normal(size=(4, 3, 3)), random.normal(size=(4, 4))
+    losses = {
+        "product": (lambda a, b: (ylm_jax.product(a, b) ** 2).sum(), (f, g)),
+        "eval": (lambda a, b: (ylm_jax.eval(a, b) ** 2).sum(), (f, d)),
+        "convolve": (lambda a, b: (ylm_jax.convolve(a, b) ** 2).sum(), (f, g[:, :4])),
+        "rotate": (lambda a, b: (ylm_jax.rotate(a, b) * f[0]).sum(), (g, q)),
+    }
+    for name, (loss, arguments) in losses.items():
+        gradient = jax.grad(loss, argnums=(0, 1))
+        mapped = jax.vmap(gradient)(*arguments)
+        for row in range(4):
+            alone = gradient(*(argument[row] for argument in arguments))
+            for one, all_of_them in zip(alone, mapped):
+                assert np.abs(np.asarray(all_of_them)[row] - one).max() <= 1e-11 * max(1, np.abs(one).max()), name
+
+
 def test_generators_are_derivatives_of_rotations(random):
     coeffs = random.normal(size=(2, 25))
     for axis, found in zip(np.eye(3), _adjoint.generators(coeffs)):

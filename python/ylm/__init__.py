@@ -38,6 +38,7 @@ from ylm._product import (
     product,
     product_integral,
     product_matrix,
+    product_method,
     tripling_coefficient,
     wigner_3j,
 )
@@ -122,6 +123,7 @@ __all__ = [
     "product",
     "product_integral",
     "product_matrix",
+    "product_method",
     "project",
     "project_image",
     "project_values",

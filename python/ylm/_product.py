@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike
 
 from ylm import _native
 from ylm._arrays import Array, band_count, broadcast_leading, counted, real_array, resize_bands
@@ -66,6 +66,39 @@ def _aligned(factors: tuple[ArrayLike, ...]) -> tuple[Array, ...]:
     names = [f"factor {index}" for index in range(len(arrays))]
     resized = [resize_bands(array, most) for array in arrays]
     return tuple(broadcast_leading(names, resized, [1] * len(arrays)))
+
+
+def product_method(bands: int, factors: int = 2, rows: int = 1, dtype: DTypeLike = np.float64) -> str:
+    """Which method ``product(..., method="auto")`` takes.
+
+    Parameters
+    ----------
+    bands : int
+        n, 1 to 64.
+    factors : int
+        How many functions are multiplied.
+    rows : int
+        How many products at once.
+    dtype : dtype
+        float32 or float64.
+
+    Returns
+    -------
+    str
+
+    Notes
+    -----
+    By a table that ``ylm-bench plan`` measured; few bands of many float32 factors are computed in double, where they are small
+    against the whole product. Error: of the method, as `product`.
+
+    Examples
+    --------
+    >>> import ylm
+    >>> ylm.product_method(4), ylm.product_method(12), ylm.product_method(3, factors=6, dtype="float32")
+    ('unrolled', 'grid', 'grid-in-double')
+    """
+    precision = np.dtype(dtype).name
+    return _native.product_method(counted("bands", bands, 1), counted("factors", factors, 1), counted("rows", rows), precision)
 
 
 def product_integral(*factors: ArrayLike) -> Array:

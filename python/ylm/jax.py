@@ -1,7 +1,7 @@
 """Differentiable functions for JAX (the extra ``jax``): `eval`, `rotate`, `product`, `convolve`.
 
 They call the same kernels on the CPU, under ``jit``, ``vmap`` and ``grad``; backward passes are products, projections and
-rotations too. Arguments and results are as those of the functions of the same names in `ylm`, of one dtype; forward mode
+rotations too. Under ``vmap`` the kernels get the whole batch in one call. Arguments and results are as those of the functions of the same names in `ylm`, of one dtype; forward mode
 and second derivatives are not offered.
 
 >>> import jax, numpy as np, ylm.jax                                              # doctest: +SKIP
@@ -22,14 +22,62 @@ from ylm import _adjoint, _native
 __all__ = ["convolve", "eval", "product", "rotate"]
 
 
-def _call(function: Any, shape: tuple[int, ...], dtype: Any, *arguments: Any) -> Any:
-    """Runs a numpy function on the host; its leading axes take those of `vmap`."""
+def _call(function: Any, shape: tuple[int, ...], dtype: Any, *arguments: Any, batched: Any = None) -> Any:
+    """Runs a numpy function on the host.
 
-    def on_host(*arrays: Any) -> Any:
-        result = np.asarray(function(*(np.asarray(array) for array in arrays)))
-        return np.asarray(result, dtype, order="C")
+    Under `vmap` arguments come with leading axes in front of their own, of length 1 where nothing is mapped. `batched` takes how
+    many these are and the arguments, and is the function over all of them; without it they are gone through one by one.
+    """
+    ranks = [argument.ndim for argument in arguments]
 
-    return jax.pure_callback(on_host, jax.ShapeDtypeStruct(shape, dtype), *arguments, vmap_method="sequential")
+    def on_host(*given: Any) -> Any:
+        arrays = [np.asarray(array) for array in given]
+        extra = max(array.ndim - rank for array, rank in zip(arrays, ranks))
+        batch = np.broadcast_shapes(*(array.shape[:extra] for array in arrays))
+        if extra == 0:
+            result = function(*arrays)
+        elif batched is not None:
+            result = batched(extra, *arrays)
+        else:
+            spread = [np.broadcast_to(array, batch + array.shape[extra:]) for array in arrays]
+            result = np.empty(batch + shape, dtype)
+            for place in np.ndindex(batch):
+                result[place] = function(*(array[place] for array in spread))
+        return np.asarray(result, dtype, order="C").reshape(batch + shape)
+
+    return jax.pure_callback(on_host, jax.ShapeDtypeStruct(shape, dtype), *arguments, vmap_method="expand_dims")
+
+
+def _is_mapped(array: Any, extra: int) -> bool:
+    """Whether one of the leading axes has more than one place."""
+    return any(length > 1 for length in array.shape[:extra])
+
+
+def _all_at_once(function: Any) -> Any:
+    """For functions whose own leading axes are alike: more of them make no difference."""
+    return lambda extra, *arrays: function(*arrays)
+
+
+def _eval_all(extra: int, coeffs: Any, directions: Any) -> Any:
+    """`ylm.eval` pairs every function with every direction: what is mapped in both is gone through."""
+    if not _is_mapped(directions, extra):
+        return ylm.eval(coeffs, directions.reshape(directions.shape[extra:]))
+    functions = coeffs.ndim - 1 - extra
+    if not _is_mapped(coeffs, extra):
+        values = ylm.eval(coeffs.reshape(coeffs.shape[extra:]), directions)
+        return np.moveaxis(values, range(functions), range(extra, extra + functions))
+    batch = np.broadcast_shapes(coeffs.shape[:extra], directions.shape[:extra])
+    coeffs = np.broadcast_to(coeffs, batch + coeffs.shape[extra:])
+    directions = np.broadcast_to(directions, batch + directions.shape[extra:])
+    return np.stack([ylm.eval(coeffs[place], directions[place]) for place in np.ndindex(batch)])
+
+
+def _rotate_all(extra: int, coeffs: Any, matrix: Any) -> Any:
+    """`ylm.rotate`, whose rotations go with the leading axes of the functions."""
+    if not _is_mapped(matrix, extra):
+        return ylm.rotate(coeffs, matrix.reshape(3, 3))
+    own = (1,) * (coeffs.ndim - 1 - extra)
+    return ylm.rotate(coeffs, matrix.reshape(matrix.shape[:extra] + own + (3, 3)))
 
 
 def _together(*arguments: Any) -> tuple[Any, ...]:
@@ -62,7 +110,8 @@ def eval(coeffs: Any, directions: Any) -> Any:  # noqa: A001
 
 @jax.custom_vjp
 def _eval(coeffs: Any, directions: Any) -> Any:
-    return _call(ylm.eval, coeffs.shape[:-1] + directions.shape[:-1], coeffs.dtype, coeffs, directions)
+    shape = coeffs.shape[:-1] + directions.shape[:-1]
+    return _call(ylm.eval, shape, coeffs.dtype, coeffs, directions, batched=_eval_all)
 
 
 def _eval_forward(coeffs: Any, directions: Any) -> Any:
@@ -106,7 +155,7 @@ def product(*factors: Any) -> Any:
 
 @jax.custom_vjp
 def _product(*factors: Any) -> Any:
-    return _call(ylm.product, factors[0].shape, factors[0].dtype, *factors)
+    return _call(ylm.product, factors[0].shape, factors[0].dtype, *factors, batched=_all_at_once(ylm.product))
 
 
 def _product_forward(*factors: Any) -> Any:
@@ -115,10 +164,9 @@ def _product_forward(*factors: Any) -> Any:
 
 def _product_backward(factors: Any, cotangent: Any) -> Any:
     def of_factor(index: int) -> Any:
-        others = factors[:index] + factors[index + 1 :]
-        return _call(
-            lambda g, *others: _adjoint.product_factor(g, others), cotangent.shape, cotangent.dtype, cotangent, *others
-        )
+        # The product of the cotangent and the other factors: `_adjoint.product_factor`, over broadcast axes.
+        others = (cotangent, *factors[:index], *factors[index + 1 :])
+        return _call(ylm.product, cotangent.shape, cotangent.dtype, *others, batched=_all_at_once(ylm.product))
 
     return tuple(of_factor(index) for index in range(len(factors)))
 
@@ -150,7 +198,7 @@ def convolve(coeffs: Any, zonal: Any) -> Any:
 
 @jax.custom_vjp
 def _convolve(coeffs: Any, zonal: Any) -> Any:
-    return _call(ylm.convolve, coeffs.shape, coeffs.dtype, coeffs, zonal)
+    return _call(ylm.convolve, coeffs.shape, coeffs.dtype, coeffs, zonal, batched=_all_at_once(ylm.convolve))
 
 
 def _convolve_forward(coeffs: Any, zonal: Any) -> Any:
@@ -159,8 +207,9 @@ def _convolve_forward(coeffs: Any, zonal: Any) -> Any:
 
 def _convolve_backward(saved: Any, cotangent: Any) -> Any:
     coeffs, zonal = saved
-    of_coeffs = _call(ylm.convolve, coeffs.shape, coeffs.dtype, cotangent, zonal)
-    return of_coeffs, _call(_adjoint.convolve_zonal, zonal.shape, zonal.dtype, cotangent, coeffs)
+    of_coeffs = _call(ylm.convolve, coeffs.shape, coeffs.dtype, cotangent, zonal, batched=_all_at_once(ylm.convolve))
+    of_zonal = _adjoint.convolve_zonal
+    return of_coeffs, _call(of_zonal, zonal.shape, zonal.dtype, cotangent, coeffs, batched=_all_at_once(of_zonal))
 
 
 _convolve.defvjp(_convolve_forward, _convolve_backward)
@@ -204,7 +253,7 @@ def _matrix(quaternion: Any) -> Any:
 
 @jax.custom_vjp
 def _rotate(coeffs: Any, matrix: Any) -> Any:
-    return _call(_native.rotate, coeffs.shape, coeffs.dtype, coeffs, matrix)
+    return _call(_native.rotate, coeffs.shape, coeffs.dtype, coeffs, matrix, batched=_rotate_all)
 
 
 def _rotate_forward(coeffs: Any, matrix: Any) -> Any:
@@ -214,7 +263,7 @@ def _rotate_forward(coeffs: Any, matrix: Any) -> Any:
 
 def _rotate_backward(saved: Any, cotangent: Any) -> Any:
     rotated, matrix = saved
-    of_coeffs = _call(_native.rotate, cotangent.shape, cotangent.dtype, cotangent, matrix.T)
+    of_coeffs = _call(_native.rotate, cotangent.shape, cotangent.dtype, cotangent, matrix.T, batched=_rotate_all)
     return of_coeffs, _call(_adjoint.rotate_rotation, (3, 3), matrix.dtype, cotangent, rotated, matrix)
 
 

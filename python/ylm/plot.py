@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 import ylm
 
-__all__ = ["band_energies", "mesh", "sphere_map"]
+__all__ = ["band_energies", "coefficients", "mesh", "sphere_map", "stages"]
 
 #: What scales of figures are at least: black pictures have one too.
 _LEAST = 1e-30
@@ -109,6 +109,94 @@ def band_energies(coeffs: ArrayLike, axes: Any = None) -> Any:
     axes.set_ylabel("energy Σ c²")
     axes.set_xticks(range(energies.shape[1]))
     axes.grid(alpha=0.3)
+    return axes
+
+
+def coefficients(coeffs: ArrayLike, axes: Any = None) -> Any:
+    """The coefficients of a function as a triangle: a row a band, the order from -l to l, blue below zero.
+
+    Parameters
+    ----------
+    coeffs : array_like, shape (n**2,)
+    axes : matplotlib axes, optional
+
+    Returns
+    -------
+    matplotlib axes
+
+    Notes
+    -----
+    Error: none.
+
+    Examples
+    --------
+    >>> import ylm, ylm.plot
+    >>> axes = ylm.plot.coefficients(ylm.basis([0.6, 0, 0.8], 4))
+    >>> axes.images[0].get_array().shape
+    (4, 7)
+    """
+    values = np.asarray(coeffs, np.float64)
+    bands = int(round(values.shape[-1] ** 0.5)) if values.ndim == 1 else 0
+    if values.ndim != 1 or bands * bands != len(values) or not bands:
+        raise ValueError(f"coeffs has shape {values.shape}; expected (n²,)")
+    degree, order = ylm.degree_order(np.arange(len(values)))
+    triangle = np.full((bands, 2 * bands - 1), np.nan)
+    triangle[degree, order + bands - 1] = values
+    most = max(float(np.abs(values).max()), _LEAST)
+    axes = _axes(axes)
+    extent = (0.5 - bands, bands - 0.5, bands - 0.5, -0.5)
+    picture = axes.imshow(np.ma.masked_invalid(triangle), cmap="RdBu_r", vmin=-most, vmax=most, extent=extent, aspect="equal")
+    axes.figure.colorbar(picture, ax=axes, shrink=0.7)
+    axes.set_xlabel("order m")
+    axes.set_ylabel("band l")
+    return axes
+
+
+#: Of `stages`: grey where few bands sufficed, and from red to yellow what was computed to the last.
+_STAGE_COLOURS = np.array([[0.6, 0.6, 0.6], [0.55, 0.02, 0.02], [0.8, 0.25, 0.02], [0.25, 0.3, 0.7], [0.85, 0.65, 0.1]])
+
+
+def stages(baked: ylm.Baked, region: ylm.Region, axes: Any = None, **view: Any) -> Any:
+    """What became of each point in a frame of adaptive shading, on the surface: the region of interest.
+
+    Parameters
+    ----------
+    baked : Baked
+    region : Region
+        A part of one frame of `Baked.shade_adaptive`.
+    axes : matplotlib axes, optional
+    **view
+        As `Baked.render` takes it: size, azimuth, elevation, distance, samples.
+
+    Returns
+    -------
+    matplotlib axes
+        With a legend that counts points.
+
+    Notes
+    -----
+    Between points colours are interpolated. Error: none.
+
+    Examples
+    --------
+    >>> import ylm, ylm.plot
+    >>> baked = ylm.bake(ylm.Mesh.demo("room"), bands=5, transfer="unshadowed")
+    >>> frame = baked.shade_adaptive("sky:clear?sun=40,60", baked.eye())
+    >>> axes = ylm.plot.stages(baked, frame.specular, size=(80, 60), samples=1)
+    >>> len(axes.get_legend().get_texts()) >= 1
+    True
+    """
+    if region.stages.shape != (len(baked.positions),):
+        raise ValueError(f"stages have shape {region.stages.shape}; expected ({len(baked.positions)},), of one frame")
+    picture = baked.render(_STAGE_COLOURS[region.stages], background=(1, 1, 1), **view)
+    axes = _axes(axes)
+    axes.imshow(ylm.develop(picture))
+    axes.set_axis_off()
+    for number, name in enumerate(ylm.STAGES):
+        if count := region.count_of(name):
+            colour = ylm.develop(_STAGE_COLOURS[None, number : number + 1])[0, 0] / 255
+            axes.plot([], [], "s", color=tuple(colour.tolist()), label=f"{name} ({count})")
+    axes.legend(loc="lower right", fontsize="small")
     return axes
 
 
