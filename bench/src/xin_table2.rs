@@ -202,6 +202,7 @@ fn actor(mesh: &Mesh, name: &str, bands: usize, size: f32) -> Actor {
         points: Arc::new(points),
         visibility: Arc::new(transfer.visibility.expect("asked for")),
         field: Some(Arc::new(field)),
+        material: None,
         motion: Motion::still(Pose::IDENTITY),
     }
 }
@@ -274,8 +275,7 @@ fn stage(options: &Options, k: usize, row: &Row) -> Option<Stage> {
     let so_far: usize = actors.iter().map(|actor| actor.points.positions.len()).sum();
     if so_far + 100 < row.vertices {
         let cells = ((row.vertices - so_far) as f64).sqrt() as u32 - 1;
-        let description =
-            GroundDescription { height: 0.0, center: [0.0; 2], size: 5.0, cells, albedo: [0.8; 3] };
+        let description = GroundDescription { cells, ..GroundDescription::of_size(5.0) };
         actors.push(ground(&description, bands_of(n)).expect("a ground"));
     }
     Some(Stage { bands: bands_of(n), light: Light::parse(LIGHT).expect("a light"), seconds: 1.0, actors })
@@ -284,7 +284,8 @@ fn stage(options: &Options, k: usize, row: &Row) -> Option<Stage> {
 const PRODUCTS: [FieldProduct; 3] = [FieldProduct::SparseChain, FieldProduct::Exact, FieldProduct::Chain];
 
 fn fields(options: &Options, row: &Row, stage: &Stage) -> Vec<String> {
-    let shade = |product| stage.shade(0.0, &FieldShading { product, window: None }).expect("a frame");
+    let shade =
+        |product| stage.shade(0.0, &FieldShading { product, ..FieldShading::default() }).expect("a frame");
     let [mut sparse, exact, chain] = PRODUCTS.map(|product| {
         if product == FieldProduct::SparseChain {
             return f64::NAN;
@@ -329,8 +330,11 @@ fn against_rays(row: &Row, stage: &Stage) -> Vec<String> {
         .collect();
     let norm: f64 = truths.iter().map(|r| f64::from(r.length_squared())).sum();
     let error = |product| {
-        let found =
-            stage.shade(0.0, &FieldShading { product, window: None }).expect("a frame").radiance.concat();
+        let found = stage
+            .shade(0.0, &FieldShading { product, ..FieldShading::default() })
+            .expect("a frame")
+            .radiance
+            .concat();
         let square: f64 =
             at.iter().zip(&truths).map(|(&k, r)| f64::from(found[k as usize].distance_squared(*r))).sum();
         format!("{:.2}", 100.0 * (square / norm).sqrt())

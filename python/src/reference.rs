@@ -4,7 +4,8 @@ use glam::Vec3;
 use pyo3::prelude::*;
 use ylm_prt::light::Light as LightOf;
 use ylm_prt::reference::{
-    Irradiance, Occlusion, PhongLobe, Settings, bounced_irradiance, irradiance, reflected, specular,
+    Irradiance, Occlusion, PhongLobe, SeenSurface, Settings, bounced_irradiance, irradiance, reflected,
+    specular,
 };
 use ylm_prt::scene::{Blockers, Bvh, LightingPoints, ball};
 use ylm_prt::shade::Ball;
@@ -115,7 +116,8 @@ impl Judge<'_> {
         match reflecting {
             None => Ok(of_diffuse(points, &self.irradiance(&all)?, 1.0)),
             Some(Reflects::Brdf(brdf, eye)) => {
-                let found = reflected(points, &all, *occlusion, light, brdf, *eye, settings, &goes_on)?;
+                let surface = SeenSurface { brdf, axis: Vec3::Y, eye: *eye };
+                let found = reflected(points, &all, *occlusion, light, &surface, settings, &goes_on)?;
                 Ok((found.values, found.standard_errors))
             }
             Some(Reflects::Glossy { diffuse, lobe }) => {

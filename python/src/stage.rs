@@ -62,6 +62,7 @@ impl Object<'_> {
             visibility: Arc::new(visibility),
             field: self.field.as_ref().map(|field| Arc::clone(&field.get().0)),
             spheres: None,
+            material: None,
             motion: self.motion()?,
         })
     }
@@ -137,7 +138,8 @@ impl Stage {
         let bands = self::bands(bands)?;
         let mut actors = objects.iter().map(Object::actor).collect::<PyResult<Vec<_>>>()?;
         if let Some((height, center, size, cells, albedo)) = ground {
-            let description = GroundDescription { height, center, size, cells, albedo };
+            let description =
+                GroundDescription { height, center, cells, albedo, ..GroundDescription::of_size(size) };
             actors.push(py.detach(|| self::ground(&description, bands)).map_err(raise)?);
         }
         Ok(Self(StageOf { bands, light: light.0.clone(), seconds, actors }))
@@ -145,7 +147,16 @@ impl Stage {
 
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        Ok(Self(py.detach(|| open_stage(&path)).map_err(raise)?))
+        let stage = py.detach(|| open_stage(&path)).map_err(raise)?;
+        // Radiance is asked for without an eye here.
+        match stage.actors.iter().find(|actor| actor.material.is_some()) {
+            None => Ok(Self(stage)),
+            Some(actor) => Err(PyValueError::new_err(format!(
+                "{}: {} has a \"material\", which only `ylm render` shades",
+                path.display(),
+                actor.name
+            ))),
+        }
     }
 
     #[getter]
@@ -238,7 +249,7 @@ impl Stage {
                 )));
             }
         };
-        let shading = FieldShading { product, window: window(product_window)? };
+        let shading = FieldShading { product, window: window(product_window)?, ..FieldShading::default() };
         let frame = py.detach(|| self.0.shade(time, &shading)).map_err(raise)?;
         let radiance = frame.radiance.iter().map(|radiance| radiance_of(py, radiance));
         let radiance = radiance.collect::<PyResult<_>>()?;

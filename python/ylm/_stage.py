@@ -350,6 +350,8 @@ def load_stage(path: Path, *, bake_missing: bool = False, progress: Callable[[st
     ------
     OSError
         If a file cannot be read, or breaks its format's rules (`FileError`): another number of bands, no visibility.
+    ValueError
+        If an object has a material: the stage is of diffuse objects.
 
     Notes
     -----

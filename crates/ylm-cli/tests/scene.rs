@@ -71,6 +71,35 @@ fn an_animation_is_numbered_and_timed() {
 }
 
 #[test]
+fn objects_of_any_material_are_drawn_as_rays_have_them() {
+    let place = Place::new();
+    let scene = SCENE.replace(
+        "\"scale\": 0.5,",
+        "\"scale\": 0.5, \"material\": \"ggx:0.4,0.9\", \"albedo\": [1, 0.6, 0.2],",
+    );
+    let scene = scene.replace("\"cells\": 24", "\"cells\": 24, \"material\": \"ward:0.3,0.5\"");
+    fs::write(place.path("scene.json"), &scene).unwrap();
+    place.json("scene scene.json");
+    let light = "--light gradient?from=0.2,0.2,0.2&to=2,2,2&dir=0.5,0.8,0.3";
+    let drawn = place.json(&format!("render scene.json -o exact.png {light} {SMALL}"));
+    assert_eq!(drawn["materials"], 2);
+    place.json(&format!("render scene.json -o reference.png --shading reference {light} {SMALL}"));
+    let error = place.json("compare exact.png reference.png")["rmse"].as_f64().unwrap();
+    assert!(error <= 0.05, "{error}");
+    // Another eye sees another radiance, and a diffuse scene another picture.
+    let radiance = |camera: &str| {
+        place.json(&format!("render scene.json -o a.png {light} --size 8x6 --samples 1 --camera {camera}"))["radiance"].clone()
+    };
+    assert!(radiance("20,30,1.5") != radiance("200,30,1.5"));
+    fs::write(place.path("scene.json"), scene.replace("ward:0.3,0.5", "glass:3")).unwrap();
+    let message = place.failure("render scene.json -o a.png", 1);
+    assert!(message.contains("scene.json: the ground: \"material\": no BRDF \"glass:3\""), "{message}");
+    fs::write(place.path("scene.json"), scene.replace("ward:0.3,0.5", "none.binary")).unwrap();
+    let message = place.failure("render scene.json -o a.png", 1);
+    assert!(message.contains("none.binary") && message.lines().count() == 1, "{message}");
+}
+
+#[test]
 fn what_is_wrong_is_one_line_that_names_file_and_place() {
     let place = place();
     let write = |name: &str, from: &str, to: &str| {

@@ -1,6 +1,7 @@
 //! Glossy relighting with light, visibility and BRDF apart.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use glam::{DVec3, Mat3, Vec3};
 use rayon::ThreadPoolBuilder;
@@ -8,8 +9,8 @@ use ylm::Bands;
 use ylm::product::{Method, product};
 use ylm::rotate::Rotation;
 use ylm_prt::light::Light;
-use ylm_prt::reference::{Occlusion, Settings, reflected};
-use ylm_prt::scene::brdf::{Brdf, surface_frame};
+use ylm_prt::reference::{Occlusion, SeenSurface, Settings, reflected};
+use ylm_prt::scene::brdf::{Brdf, Merl, surface_frame};
 use ylm_prt::scene::{Bvh, LightingPoints, Mesh, ball};
 use ylm_prt::shade::brdf::{BrdfLight, BrdfTable, Reflection, project_brdf, shade_brdf};
 use ylm_prt::shade::{AtEachPoint, Far};
@@ -97,7 +98,7 @@ fn radiance_is_the_integral_of_three_functions() {
         let scale = radiance.iter().map(|r| r.max_element()).fold(0.0, f32::max);
         for point in (0..radiance.len()).step_by(5) {
             let (position, normal) = (baked.points.positions[point], baked.points.normals[point]);
-            let frame = surface_frame(normal);
+            let frame = surface_frame(normal, Vec3::Y);
             let mut local = vec![0.0; n * n];
             let [cos, sin] = table.at(frame.transpose() * (EYE - position).normalize(), &mut local);
             let turn = frame * Mat3::from_rotation_z(sin.atan2(cos));
@@ -149,8 +150,9 @@ fn glossy_surfaces_are_those_of_rays() {
         .map(|(p, normal)| normal.dot((EYE - *p).normalize()) > 0.2)
         .collect();
     for brdf in &brdfs()[2..] {
+        let surface = SeenSurface { brdf, axis: Vec3::Y, eye: EYE };
         let truth =
-            reflected(&baked.points, &at, Occlusion::By(&bvh), &light, brdf, EYE, &settings, &|_| true)
+            reflected(&baked.points, &at, Occlusion::By(&bvh), &light, &surface, &settings, &|_| true)
                 .unwrap();
         let found = shade(&baked, &BrdfLight::Far(&coeffs), brdf);
         let (mut square, mut norm) = (0.0, 0.0);
@@ -162,6 +164,67 @@ fn glossy_surfaces_are_those_of_rays() {
         // 0.024 and 0.026 were measured, of which nearly all is the noise of the rays.
         assert!(error <= 0.04, "{brdf:?}: {error}");
     }
+}
+
+/// A measurement of constants and a highlight, twice as much in green and three times in blue, in MERL's format.
+fn measured() -> Brdf {
+    const STEPS: [i32; 3] = [90, 90, 180];
+    let mut bytes: Vec<u8> = STEPS.iter().flat_map(|count| count.to_le_bytes()).collect();
+    for (channel, scale) in [1.0, 1.15, 1.66].into_iter().enumerate() {
+        for half in 0..STEPS[0] {
+            let angle = f64::from(half).powi(2) / 8100.0 * PI / 2.0;
+            let value = (channel + 1) as f64 * (0.05 + 0.3 * angle.cos().powi(20)) * 1500.0 / scale;
+            (0..STEPS[1] * STEPS[2]).for_each(|_| bytes.extend(value.to_le_bytes()));
+        }
+    }
+    Brdf::Measured(Arc::new(Merl::decode(&bytes).unwrap()))
+}
+
+#[test]
+fn each_colour_of_a_measured_surface_meets_that_of_the_light() {
+    let n = 6;
+    let baked = scene(n, TransferKind::Shadowed);
+    let brdf = measured();
+    let light = Light::parse("sky:clear?sun=40,30+disc?dir=1,1,0&angle=30&color=1,0.5,0").unwrap();
+    let coeffs = light.project(bands(n)).unwrap();
+    let found = shade(&baked, &BrdfLight::Far(&coeffs), &brdf);
+    let largest = found.iter().map(|r| r.max_element()).fold(0.0, f32::max);
+    assert!(largest > 0.1);
+    for c in 0..3 {
+        // Each colour by itself: the light's in red, where the surface reflects a third of what it does in blue.
+        let mut only = coeffs.clone();
+        only.channels[0] = coeffs.channels[c].clone();
+        let red = shade(&baked, &BrdfLight::Far(&only), &brdf);
+        for (found, red) in found.iter().zip(&red) {
+            assert!((found[c] - (c + 1) as f32 * red.x).abs() <= 2e-6 * largest, "{c}: {found} {red}");
+        }
+    }
+    // Of one colour, and one that is another at each point.
+    let grey = Light::parse("sky:overcast?intensity=2&color=1,0.5,0.25").unwrap().project(bands(n)).unwrap();
+    for light in [&coeffs, &grey] {
+        let far = shade(&baked, &BrdfLight::Far(light), &brdf);
+        let near = shade(&baked, &BrdfLight::Near(&Far::new(light)), &brdf);
+        assert!(far.iter().zip(near).all(|(a, b)| a.distance(b) <= 2e-6 * largest));
+    }
+    // And by rays, under a light that six bands hold.
+    let light = Light::parse("gradient?from=0.2,0.3,0.1&to=1,1,2&dir=0.6,0.8,0").unwrap();
+    let found = shade(&baked, &BrdfLight::Far(&light.project(bands(n)).unwrap()), &brdf);
+    let at: Vec<u32> = (0..found.len() as u32).collect();
+    let bvh = Bvh::build(&baked.points.positions, &baked.points.triangles);
+    let surface = SeenSurface { brdf: &brdf, axis: Vec3::Y, eye: EYE };
+    let settings = Settings { rays: 256, ..Settings::default() };
+    let truth =
+        reflected(&baked.points, &at, Occlusion::By(&bvh), &light, &surface, &settings, &|_| true).unwrap();
+    let (mut square, mut norm) = (0.0, 0.0);
+    for (point, (found, truth)) in found.iter().zip(&truth.values).enumerate() {
+        if baked.points.normals[point].dot((EYE - baked.points.positions[point]).normalize()) > 0.2 {
+            square += found.distance_squared(*truth);
+            norm += truth.length_squared();
+        }
+    }
+    let error = (square / norm).sqrt();
+    println!("measured against rays: {error}");
+    assert!(error <= 0.05, "{error}");
 }
 
 #[test]

@@ -10,12 +10,17 @@ use ylm::rotate::Rotation;
 use ylm::zonal::Zonal;
 use ylm_prt::field::{FieldScratch, FieldSettings, OcclusionField, SphereSet, bake_field, radial_frame};
 use ylm_prt::light::Light;
-use ylm_prt::reference::{Occlusion, Settings, irradiance};
+use ylm_prt::reference::{Occlusion, SeenSurface, Settings, irradiance, reflected};
+use ylm_prt::scene::brdf::{Brdf, surface_frame};
 use ylm_prt::scene::{Bvh, LightingPoints, Mesh, Pose, ball};
 use ylm_prt::shade::{FieldProduct, FieldShading};
-use ylm_prt::stage::{Actor, GroundDescription, Motion, Stage, ground};
+use ylm_prt::stage::{Actor, GroundDescription, Material, Motion, Stage, ground};
 
-const EXACT: FieldShading = FieldShading { product: FieldProduct::Exact, window: None };
+const EXACT: FieldShading = by(FieldProduct::Exact);
+
+const fn by(product: FieldProduct) -> FieldShading {
+    FieldShading { product, window: None, eye: Vec3::new(1.0, 3.0, 5.0) }
+}
 
 fn bands(n: usize) -> Bands {
     Bands::new(n).unwrap()
@@ -44,6 +49,7 @@ fn actor(mesh: &Mesh, n: usize, error: f32, pose: Pose) -> Actor {
         visibility: Arc::new(convex(&points, n)),
         field: Some(field(mesh, n, error)),
         spheres: Some(Arc::new(SphereSet::of_surface(&points, 1))),
+        material: None,
         points: Arc::new(points),
         motion: Motion::still(pose),
     }
@@ -66,7 +72,7 @@ fn block() -> Mesh {
 }
 
 fn floor(n: usize, cells: u32) -> Actor {
-    let description = GroundDescription { height: 0.0, center: [0.0; 2], size: 6.0, cells, albedo: [1.0; 3] };
+    let description = GroundDescription { cells, albedo: [1.0; 3], ..GroundDescription::of_size(6.0) };
     ground(&description, bands(n)).unwrap()
 }
 
@@ -89,7 +95,9 @@ fn stage(n: usize, light: &str) -> Stage {
 #[test]
 fn radiance_is_the_product_of_all_visibilities_computed_by_other_ways() {
     let n = 5;
-    let stage = stage(n, "sky:clear?sun=50,30&ground=0.1");
+    let mut stage = stage(n, "sky:clear?sun=50,30&ground=0.1");
+    // One body is brushed, in a colour of its own; the others are diffuse.
+    stage.actors[1].material = Some(Arc::new(Material::new("ward:0.3,0.6".parse().unwrap())));
     let frame = stage.shade(0.0, &EXACT).unwrap();
     let light = stage.light.project(stage.bands).unwrap();
     let poses = stage.poses(0.0);
@@ -125,14 +133,30 @@ fn radiance_is_the_product_of_all_visibilities_computed_by_other_ways() {
             let mut seen = vec![0.0f64; n * n];
             let slices: Vec<&[f64]> = wide.iter().map(Vec::as_slice).collect();
             product(stage.bands, &slices, Method::Fourier, &mut seen).unwrap();
-            let mut cosine = vec![0.0f64; n * n];
-            let normal = (poses[index].rotation * actor.points.normals[point]).as_dvec3().to_array();
-            Zonal::<f64>::clamped_cosine(stage.bands).rotate(normal, &mut cosine).unwrap();
+            let normal = poses[index].rotation * actor.points.normals[point];
+            let mut reflected = vec![0.0f64; n * n];
+            match &actor.material {
+                None => {
+                    let cosine = Zonal::<f64>::clamped_cosine(stage.bands);
+                    cosine.rotate(normal.as_dvec3().to_array(), &mut reflected).unwrap();
+                    reflected.iter_mut().for_each(|c| *c /= std::f64::consts::PI);
+                }
+                Some(material) => {
+                    let frame = surface_frame(normal, poses[index].rotation * Vec3::Y);
+                    let mut local = vec![0.0; n * n];
+                    let table = material.table(stage.bands).unwrap();
+                    let [cos, sin] =
+                        table.at(frame.transpose() * (EXACT.eye - place).normalize(), &mut local);
+                    let turned = Quat::from_mat3(&frame) * Quat::from_rotation_z(sin.atan2(cos));
+                    let wide = turn(turned, &local).into_iter().map(f64::from);
+                    reflected.iter_mut().zip(wide).for_each(|(to, from)| *to = from);
+                }
+            }
             let mut transfer = vec![0.0f64; n * n];
-            product(stage.bands, &[&seen, &cosine], Method::Fourier, &mut transfer).unwrap();
+            product(stage.bands, &[&seen, &reflected], Method::Fourier, &mut transfer).unwrap();
             let expected =
                 light.channels[0].iter().zip(&transfer).map(|(l, t)| f64::from(*l) * t).sum::<f64>();
-            let expected = expected as f32 * actor.points.albedo[point][0] * std::f32::consts::FRAC_1_PI;
+            let expected = expected as f32 * actor.points.albedo[point][0];
             largest = largest.max((frame.radiance[index][point].x - expected).abs());
         }
     }
@@ -142,7 +166,8 @@ fn radiance_is_the_product_of_all_visibilities_computed_by_other_ways() {
 
 #[test]
 fn a_turned_world_is_the_world_turned() {
-    let stage = stage(4, "sky:clear?sun=50,30+sphere?pos=2,3,1&radius=0.5&intensity=20");
+    let mut stage = stage(4, "sky:clear?sun=50,30+sphere?pos=2,3,1&radius=0.5&intensity=20");
+    stage.actors[0].material = Some(Arc::new(Material::new("ward:0.3,0.6".parse().unwrap())));
     let before = stage.shade(0.0, &EXACT).unwrap();
     let turn = Quat::from_axis_angle(Vec3::new(0.48, 0.64, -0.6), 1.1);
     let mut turned = stage.clone();
@@ -154,7 +179,7 @@ fn a_turned_world_is_the_world_turned() {
             scale: pose.scale,
         });
     }
-    let after = turned.shade(0.0, &EXACT).unwrap();
+    let after = turned.shade(0.0, &FieldShading { eye: turn * EXACT.eye, ..EXACT }).unwrap();
     for (before, after) in before.radiance.iter().flatten().zip(after.radiance.iter().flatten()) {
         assert!(before.distance(*after) <= 2e-4, "{before} {after}");
     }
@@ -194,12 +219,52 @@ fn balls(n: usize, light: &str) -> Stage {
 fn shadows_of_balls_are_those_of_rays_exact_before_chains_before_exponentials() {
     let light = "sky:overcast?intensity=0.5+disc?dir=0.3,1,0.2&angle=20&intensity=5";
     let stage = balls(8, light);
-    let error = |product| against_rays(&stage, &FieldShading { product, window: None });
+    let error = |product| against_rays(&stage, &by(product));
     let [exact, chain, exponential] =
         [FieldProduct::Exact, FieldProduct::Chain, FieldProduct::Exponential].map(error);
     // Of radiances around 1; 0.0105, 0.0106 and 0.0126 were measured.
     assert!(exact <= 0.012, "{exact}");
     assert!(exact < chain && chain < exponential, "{exact} {chain} {exponential}");
+}
+
+#[test]
+fn a_lambertian_material_is_the_diffuse_body_and_a_lamp_lights_it_the_same() {
+    let stage = stage(6, "sky:clear?sun=50,30+sphere?pos=2,3,1&radius=0.5&intensity=20");
+    let mut made = stage.clone();
+    let material = Arc::new(Material::new(Brdf::Lambert));
+    made.actors.iter_mut().for_each(|actor| actor.material = Some(material.clone()));
+    let [diffuse, lambertian] = [&stage, &made].map(|stage| stage.shade(0.0, &EXACT).unwrap());
+    for (a, b) in diffuse.radiance.iter().flatten().zip(lambertian.radiance.iter().flatten()) {
+        // The table's quadrature, of radiances up to 3.
+        assert!(a.distance(*b) <= 2e-4, "{a} {b}");
+    }
+}
+
+#[test]
+fn a_glossy_ground_shows_objects_shadows_as_rays_do() {
+    let mut stage = balls(8, "gradient?from=0.1,0.2,0.3&to=2,1.5,1&dir=0.5,0.8,0.3");
+    let brdf = Brdf::Ggx { roughness: 0.5, reflectance: 0.9 };
+    stage.actors[2].material = Some(Arc::new(Material::new(brdf.clone())));
+    let surface = stage.surface(0.0);
+    let bvh = Bvh::build(&surface.positions, &surface.triangles);
+    let (_, range) = stage.ranges().last().unwrap();
+    let at: Vec<u32> = range.map(|point| point as u32).collect();
+    let seen = SeenSurface { brdf: &brdf, axis: Vec3::Y, eye: EXACT.eye };
+    let settings = Settings { rays: 1024, ..Settings::default() };
+    let truth =
+        reflected(&surface, &at, Occlusion::By(&bvh), &stage.light, &seen, &settings, &|_| true).unwrap();
+    let norm: f32 = truth.values.iter().map(|r| r.length_squared()).sum();
+    let error = |stage: &Stage| {
+        let found = stage.shade(0.0, &EXACT).unwrap().radiance.remove(2);
+        let square: f32 = found.iter().zip(&truth.values).map(|(a, b)| a.distance_squared(*b)).sum();
+        (square / norm).sqrt()
+    };
+    let shadowed = error(&stage);
+    // Without what the objects hide it is far off.
+    stage.actors[..2].iter_mut().for_each(|actor| actor.field = None);
+    let open = error(&stage);
+    println!("glossy ground: {shadowed}, without shadows {open}");
+    assert!(shadowed <= 0.03 && open > 3.0 * shadowed, "{shadowed} {open}");
 }
 
 #[test]
@@ -260,7 +325,7 @@ fn the_radiance_does_not_depend_on_the_number_of_threads() {
     for product in [FieldProduct::Exact, FieldProduct::Chain, FieldProduct::Exponential] {
         let with = |threads: usize| {
             let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| stage.shade(0.0, &FieldShading { product, window: None })).unwrap().radiance
+            pool.install(|| stage.shade(0.0, &by(product))).unwrap().radiance
         };
         assert!(with(1) == with(3), "{product:?}");
     }
@@ -270,7 +335,7 @@ fn the_radiance_does_not_depend_on_the_number_of_threads() {
 fn a_window_after_the_products_damps_what_rings() {
     let stage = balls(8, "disc?dir=0.3,1,0.2&angle=3&intensity=300");
     let least = |window| {
-        let frame = stage.shade(0.0, &FieldShading { product: FieldProduct::Exact, window }).unwrap();
+        let frame = stage.shade(0.0, &FieldShading { window, ..EXACT }).unwrap();
         frame.radiance.iter().flatten().map(|r| r.x).fold(f32::INFINITY, f32::min)
     };
     let (plain, damped) = (least(None), least(Some(ylm::window::Window::Hann(8.0))));

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use ylm::window::Window;
 use ylm_prt::error::Result;
 use ylm_prt::light::Light;
-use ylm_prt::reference::{Occlusion, Settings, reflected};
+use ylm_prt::reference::{Occlusion, SeenSurface, Settings, reflected};
 use ylm_prt::scene::Bvh;
 use ylm_prt::scene::brdf::Brdf;
 use ylm_prt::shade::{BrdfLight, BrdfTable, NearLight, Reflection, shade_brdf};
@@ -43,7 +43,7 @@ impl BrdfOptions {
         match &self.brdf {
             None => Ok(()),
             Some(_) if is_moving => {
-                Err("--brdf is for baked scenes, not for one of moving objects".to_owned())
+                Err("--brdf is for baked scenes; objects of a scene have a \"material\"".to_owned())
             }
             Some(_) if !matches!(shading, Shading::Diffuse | Shading::Reference) => {
                 Err(format!("--brdf goes with --shading diffuse or reference, not with {}", shading.name()))
@@ -120,8 +120,8 @@ impl Material {
             let all: Vec<u32> = (0..baked.points.positions.len() as u32).collect();
             let goes_on = |_done: usize| !interrupt::is_interrupted();
             let _guard = interrupt::Guard::new();
-            let found =
-                reflected(&baked.points, &all, occlusion, light, &self.brdf, eye, &settings, &goes_on)?;
+            let surface = SeenSurface { brdf: &self.brdf, axis: Vec3::Y, eye };
+            let found = reflected(&baked.points, &all, occlusion, light, &surface, &settings, &goes_on)?;
             return Ok(Shaded { noise: Some(found.relative_noise()), radiance: found.values });
         };
         let reflection = Reflection { table, eye, window: arguments.moving.product_window() };

@@ -10,7 +10,7 @@ use ylm::window::Window;
 use ylm_prt::error::{Error, Result};
 use ylm_prt::field::SphereSet;
 use ylm_prt::format::open_stage;
-use ylm_prt::reference::{Occlusion, Settings, irradiance};
+use ylm_prt::reference::{Occlusion, SeenSurface, Settings, irradiance, reflected};
 use ylm_prt::render::{Raster, render};
 use ylm_prt::scene::{Bvh, LightingPoints};
 use ylm_prt::shade::{FieldProduct, FieldShading};
@@ -176,7 +176,7 @@ pub(super) fn run(arguments: &Arguments, output: &Output) -> Result<()> {
             )));
         }
         let surface = stage.surface(*time);
-        let (drawn, bvh) = shade(arguments, &stage, &surface, *time)?;
+        let (drawn, bvh) = shade(arguments, &stage, &surface, *time, camera.eye())?;
         let render_start = Instant::now();
         let bvh = bvh.unwrap_or_else(|| Bvh::build(&surface.positions, &surface.triangles));
         let background = |direction: Vec3| match arguments.background {
@@ -225,7 +225,7 @@ fn report(
     );
     let value = json!({
         "output": path_value(&arguments.output), "size": [width, height], "shading": shading, "bands": stage.bands.count(),
-        "objects": stage.actors.len(), "points": stage.point_count(), "pairs": drawn.pair_count, "product_share": drawn.product_share,
+        "objects": stage.actors.len(), "materials": stage.actors.iter().filter(|actor| actor.material.is_some()).count(), "points": stage.point_count(), "pairs": drawn.pair_count, "product_share": drawn.product_share,
         "spheres": stage.actors.iter().filter_map(|actor| actor.spheres.as_ref()).map(|set| set.radii.len()).sum::<usize>(),
         "radiance": drawn.shaded.statistics(), "noise": drawn.shaded.noise, "pictures": pictures,
         "frames": frames.map(|_| measures.value()), "shade_seconds": drawn.shade_seconds, "render_seconds": drawn.render_seconds,
@@ -241,42 +241,75 @@ fn shading_of(arguments: &Arguments) -> Shading {
     }
 }
 
-/// Shades all points at a time; where rays were cast, their hierarchy too.
+/// Shades all points at a time, as an eye sees them; where rays were cast, their hierarchy too.
 fn shade(
     arguments: &Arguments,
     stage: &Stage,
     surface: &LightingPoints,
     time: f32,
+    eye: Vec3,
 ) -> Result<(Drawn, Option<Bvh>)> {
     let start = Instant::now();
+    let drawn = |shaded: Shaded, pair_count: usize, product_share: Option<f64>| Drawn {
+        shaded,
+        shade_seconds: start.elapsed().as_secs_f64(),
+        render_seconds: 0.0,
+        pair_count,
+        product_share,
+    };
     let product = match shading_of(arguments) {
         Shading::Reference => {
             let bvh = Bvh::build(&surface.positions, &surface.triangles);
-            let settings = Settings { rays: arguments.rays, ..Settings::default() };
-            let all: Vec<u32> = (0..surface.positions.len() as u32).collect();
-            let goes_on = |_done: usize| !interrupt::is_interrupted();
-            let found = irradiance(surface, &all, Occlusion::By(&bvh), &stage.light, &settings, &goes_on)?;
-            let shaded =
-                Shaded { noise: Some(found.relative_noise()), radiance: shading::reflect(surface, &found) };
-            let shade_seconds = start.elapsed().as_secs_f64();
-            let drawn =
-                Drawn { shaded, shade_seconds, render_seconds: 0.0, pair_count: 0, product_share: None };
-            return Ok((drawn, Some(bvh)));
+            let shaded = reference(stage, surface, &bvh, time, eye, arguments.rays)?;
+            return Ok((drawn(shaded, 0, None), Some(bvh)));
         }
         Shading::FieldChain => FieldProduct::Chain,
         Shading::Shexp => FieldProduct::Exponential,
         _ => FieldProduct::Exact,
     };
-    let frame = stage.shade(time, &FieldShading { product, window: arguments.moving.product_window })?;
+    let window = arguments.moving.product_window;
+    let frame = stage.shade(time, &FieldShading { product, window, eye })?;
     let shaded = Shaded { noise: None, radiance: frame.radiance.concat() };
-    let drawn = Drawn {
-        shaded,
-        shade_seconds: start.elapsed().as_secs_f64(),
-        render_seconds: 0.0,
-        pair_count: frame.pair_count,
-        product_share: Some(frame.product_seconds / frame.thread_seconds),
-    };
-    Ok((drawn, None))
+    Ok((drawn(shaded, frame.pair_count, Some(frame.product_seconds / frame.thread_seconds)), None))
+}
+
+/// All points by rays, each object with what it is made of.
+fn reference(
+    stage: &Stage,
+    surface: &LightingPoints,
+    bvh: &Bvh,
+    time: f32,
+    eye: Vec3,
+    rays: u32,
+) -> Result<Shaded> {
+    let settings = Settings { rays, ..Settings::default() };
+    let goes_on = |_done: usize| !interrupt::is_interrupted();
+    let occlusion = Occlusion::By(bvh);
+    let mut radiance = Vec::with_capacity(surface.positions.len());
+    let (mut noise, mut signal) = (0.0, 0.0);
+    for ((actor, range), pose) in stage.ranges().zip(stage.poses(time)) {
+        let at: Vec<u32> = range.clone().map(|point| point as u32).collect();
+        let (found, factor) = match &actor.material {
+            None => {
+                let found = irradiance(surface, &at, occlusion, &stage.light, &settings, &goes_on)?;
+                (found, std::f32::consts::FRAC_1_PI)
+            }
+            Some(material) => {
+                let seen = SeenSurface { brdf: &material.brdf, axis: pose.rotation * Vec3::Y, eye };
+                let found = reflected(surface, &at, occlusion, &stage.light, &seen, &settings, &goes_on)?;
+                (found, 1.0)
+            }
+        };
+        for (point, (value, error)) in range.zip(found.values.iter().zip(&found.standard_errors)) {
+            let albedo = factor * Vec3::from(surface.albedo[point]);
+            noise += (albedo * *error).as_dvec3().length_squared();
+            signal += (albedo * *value).as_dvec3().length_squared();
+            let emission = surface.emission.as_ref().map_or(Vec3::ZERO, |emission| emission[point].into());
+            radiance.push(albedo * *value + emission);
+        }
+    }
+    let noise = if noise == 0.0 { 0.0 } else { (noise / signal).sqrt() };
+    Ok(Shaded { noise: Some(noise), radiance })
 }
 
 /// Gives each object that casts a shadow its balls; objects of one surface share them.

@@ -19,6 +19,7 @@ use crate::error::{Error, Result};
 use crate::image::ReadOptions;
 use crate::light::{Light, facing};
 use crate::scene::UpAxis;
+use crate::scene::brdf::Brdf;
 use crate::stage::{GroundDescription, Key, Motion, ObjectDescription, Spin, StageDescription};
 use value::Keys;
 
@@ -94,7 +95,7 @@ fn parse(value: &Value, folder: &Path) -> FaultOr<StageDescription> {
         }
         objects.push(object);
     }
-    let ground = keys.take("ground").map(ground).transpose()?;
+    let ground = keys.take("ground").map(|value| ground(value, folder)).transpose()?;
     keys.nothing_left()?;
     let field_error = field_error.unwrap_or(0.02);
     Ok(StageDescription { bands, rays, field_error, seconds, light, objects, ground })
@@ -147,6 +148,7 @@ fn object(value: &Value, index: usize, folder: &Path, bands: Bands) -> FaultOr<O
         Some(up) => return Err(keys.wrong("up", up, "\"y\" or \"z\"")),
     };
     let albedo = keys.numbers("albedo", "three numbers from 0 to 1", |x| (0.0..=1.0).contains(&x))?;
+    let material = material(&mut keys, folder)?;
     let motion = motion(&mut keys)?;
     keys.nothing_left()?;
     Ok(ObjectDescription {
@@ -156,8 +158,20 @@ fn object(value: &Value, index: usize, folder: &Path, bands: Bands) -> FaultOr<O
         baked,
         field,
         albedo,
+        material,
         motion,
     })
+}
+
+/// Words as of `--brdf`; a file is relative to the folder, and read later.
+fn material(keys: &mut Keys<'_>, folder: &Path) -> FaultOr<Option<String>> {
+    let Some(words) = keys.text("material")? else { return Ok(None) };
+    let path = folder.join(words);
+    if words.ends_with(".binary") || path.is_file() {
+        return Ok(Some(path.to_string_lossy().into_owned()));
+    }
+    let fault = |what| SceneFault::Material { place: keys.place.clone(), what };
+    words.parse::<Brdf>().map(|_| Some(words.to_owned())).map_err(fault)
 }
 
 fn motion(keys: &mut Keys<'_>) -> FaultOr<Motion> {
@@ -216,16 +230,20 @@ fn key(keys: &mut Keys<'_>, time: f32, position: Vec3, rotation: Quat) -> FaultO
     Ok(Key { time, position, rotation })
 }
 
-fn ground(value: &Value) -> FaultOr<GroundDescription> {
+fn ground(value: &Value, folder: &Path) -> FaultOr<GroundDescription> {
     let mut keys = Keys::of(value, "the ground")?;
+    let size = keys.number("size", "a number above 0", |s| s > 0.0)?.ok_or_else(|| keys.missing("size"))?;
+    let plain = GroundDescription::of_size(size);
+    let albedo = keys.numbers("albedo", "three numbers from 0 to 1", |x| (0.0..=1.0).contains(&x))?;
+    let material = material(&mut keys, folder)?;
     let ground = GroundDescription {
-        height: keys.number("height", "a number", |_| true)?.unwrap_or(0.0),
-        center: keys.numbers("center", "x and z", |_| true)?.unwrap_or([0.0; 2]),
-        size: keys.number("size", "a number above 0", |s| s > 0.0)?.ok_or_else(|| keys.missing("size"))?,
-        cells: keys.whole("cells", 1..=4096)?.unwrap_or(100) as u32,
-        albedo: keys
-            .numbers("albedo", "three numbers from 0 to 1", |x| (0.0..=1.0).contains(&x))?
-            .unwrap_or([0.8; 3]),
+        height: keys.number("height", "a number", |_| true)?.unwrap_or(plain.height),
+        center: keys.numbers("center", "x and z", |_| true)?.unwrap_or(plain.center),
+        cells: keys.whole("cells", 1..=4096)?.map_or(plain.cells, |cells| cells as u32),
+        // A material has its own colour unless another is said.
+        albedo: albedo.unwrap_or(if material.is_some() { [1.0; 3] } else { plain.albedo }),
+        material,
+        size,
     };
     keys.nothing_left()?;
     Ok(ground)

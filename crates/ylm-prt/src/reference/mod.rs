@@ -9,7 +9,7 @@ mod paths;
 mod samples;
 mod specular;
 
-pub use brdf::reflected;
+pub use brdf::{SeenSurface, reflected};
 pub use irradiance::{DirectionSampler, Irradiance, Occlusion, Settings, irradiance, irradiance_of};
 pub use paths::{bounced_irradiance, bounced_irradiance_of};
 pub use specular::{PhongLobe, specular, specular_of};

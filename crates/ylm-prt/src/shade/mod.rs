@@ -25,6 +25,7 @@ pub mod grey;
 mod incident;
 mod lamps;
 mod linear;
+mod lit;
 mod monochrome;
 mod near;
 mod per_pixel;

@@ -40,14 +40,18 @@ pub struct ObjectDescription {
     pub baked: PathBuf,
     /// What it hides from others; `None` if it casts no shadow.
     pub field: Option<PathBuf>,
-    /// Instead of its own.
+    /// Instead of its own; times the material if there is one.
     pub albedo: Option<[f32; 3]>,
+    /// How it reflects, in the words of [`Brdf::parse`]; `None` if it is diffuse.
+    ///
+    /// [`Brdf::parse`]: crate::scene::brdf::Brdf::parse
+    pub material: Option<String>,
     /// Where it is when.
     pub motion: Motion,
 }
 
 /// A flat ground.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct GroundDescription {
     /// y of the ground.
     pub height: f32,
@@ -57,6 +61,15 @@ pub struct GroundDescription {
     pub size: f32,
     /// Squares along a side.
     pub cells: u32,
-    /// Its colour.
+    /// Its colour; times the material if there is one.
     pub albedo: [f32; 3],
+    /// As of an object.
+    pub material: Option<String>,
+}
+
+impl GroundDescription {
+    /// A grey, diffuse square through the origin.
+    pub fn of_size(size: f32) -> Self {
+        Self { height: 0.0, center: [0.0; 2], size, cells: 100, albedo: [0.8; 3], material: None }
+    }
 }

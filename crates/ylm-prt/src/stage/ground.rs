@@ -10,12 +10,12 @@ use super::{Actor, GroundDescription, Motion};
 use crate::error::Result;
 use crate::scene::{LightingPoints, Pose};
 
-/// The ground as an actor: a square grid that sees all of the sky above it, and hides nothing.
+/// The ground as an actor: a diffuse square grid that sees all of the sky above it, and hides nothing.
 ///
 /// # Errors
 /// If a coefficient cannot be computed.
 pub fn ground(description: &GroundDescription, bands: Bands) -> Result<Actor> {
-    let GroundDescription { height, center, size, cells, albedo } = *description;
+    let &GroundDescription { height, center, size, cells, albedo, .. } = description;
     let corners = cells as usize + 1;
     let place = |i: usize| size * (i as f32 / cells as f32 - 0.5);
     let at = |i: usize| Vec3::new(center[0] + place(i % corners), height, center[1] + place(i / corners));
@@ -43,6 +43,7 @@ pub fn ground(description: &GroundDescription, bands: Bands) -> Result<Actor> {
         visibility: Arc::new(above.repeat(count)),
         field: None,
         spheres: None,
+        material: None,
         motion: Motion::still(Pose::IDENTITY),
     })
 }
@@ -53,8 +54,12 @@ mod tests {
 
     #[test]
     fn the_ground_faces_up_and_has_its_size() {
-        let description =
-            GroundDescription { height: -1.0, center: [3.0, 0.0], size: 4.0, cells: 5, albedo: [0.5; 3] };
+        let description = GroundDescription {
+            height: -1.0,
+            center: [3.0, 0.0],
+            cells: 5,
+            ..GroundDescription::of_size(4.0)
+        };
         let actor = ground(&description, Bands::new(3).unwrap()).unwrap();
         let points = &actor.points;
         assert_eq!((points.positions.len(), points.triangles.len()), (36, 50));

@@ -2,10 +2,12 @@
 
 mod description;
 mod ground;
+mod material;
 mod motion;
 
 pub use description::{GroundDescription, ObjectDescription, StageDescription};
 pub use ground::ground;
+pub use material::Material;
 pub use motion::{Key, Motion, Spin};
 
 use std::sync::Arc;
@@ -45,6 +47,8 @@ pub struct Actor {
     pub field: Option<Arc<OcclusionField>>,
     /// The same as balls; made where shadows by exponentiation are asked for.
     pub spheres: Option<Arc<SphereSet>>,
+    /// How it reflects, times its albedo; `None` if it is diffuse.
+    pub material: Option<Arc<Material>>,
     /// Where it is when.
     pub motion: Motion,
 }
@@ -55,23 +59,22 @@ impl Stage {
         self.actors.iter().map(|actor| actor.motion.at(time)).collect()
     }
 
-    /// Radiance of all points at a time: [`shade_fields`].
+    /// Radiance of all points at a time: [`shade_fields`]. Materials are tabulated at the first call.
     ///
     /// # Errors
-    /// As [`shade_fields`].
+    /// As [`shade_fields`], and if a material cannot be tabulated.
     pub fn shade(&self, time: f32, shading: &FieldShading) -> Result<FieldFrame> {
-        let bodies: Vec<Body<'_>> = self
-            .actors
-            .iter()
-            .zip(self.poses(time))
-            .map(|(actor, world_from_local)| Body {
+        let mut bodies: Vec<Body<'_>> = Vec::new();
+        for (actor, world_from_local) in self.actors.iter().zip(self.poses(time)) {
+            bodies.push(Body {
                 points: &actor.points,
                 visibility: &actor.visibility,
                 field: actor.field.as_deref(),
                 spheres: actor.spheres.as_deref(),
+                material: actor.material.as_deref().map(|material| material.table(self.bands)).transpose()?,
                 world_from_local,
-            })
-            .collect();
+            });
+        }
         shade_fields(&bodies, &self.light, self.bands, shading)
     }
 
@@ -95,6 +98,16 @@ impl Stage {
         }
         all.emission = emits.then_some(emission);
         all
+    }
+
+    /// The points of each actor in [`Stage::surface`].
+    pub fn ranges(&self) -> impl Iterator<Item = (&Actor, std::ops::Range<usize>)> {
+        let mut end = 0;
+        self.actors.iter().map(move |actor| {
+            let first = end;
+            end += actor.points.positions.len();
+            (actor, first..end)
+        })
     }
 
     /// How many points there are in all.

@@ -56,6 +56,14 @@ pub enum SceneFault {
     /// A field of an object that casts nothing.
     #[error("{0} has a \"field\" and \"casts\" false; give one of them")]
     FieldUnused(String),
+    /// A material that is none.
+    #[error("{place}: \"material\": {what}")]
+    Material {
+        /// What has it.
+        place: String,
+        /// What is wrong with it.
+        what: String,
+    },
     /// The light.
     #[error("the light: {0}")]
     Light(String),

@@ -1,5 +1,6 @@
 //! A scene with all that it names.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -8,7 +9,8 @@ use ylm::Bands;
 use super::super::{read_baked, read_field};
 use super::read_stage;
 use crate::error::{Error, Result};
-use crate::stage::{Actor, ObjectDescription, Stage, ground};
+use crate::scene::brdf::Brdf;
+use crate::stage::{Actor, Material, ObjectDescription, Stage, ground};
 
 /// Reads a scene and all files that it names; objects of the same files share them.
 ///
@@ -17,26 +19,40 @@ use crate::stage::{Actor, ObjectDescription, Stage, ground};
 pub fn open_stage(path: &Path) -> Result<Stage> {
     let description = read_stage(path)?;
     let mut actors: Vec<Actor> = Vec::new();
+    let mut materials: BTreeMap<String, Arc<Material>> = BTreeMap::new();
+    let mut material_of = |words: &Option<String>| -> Result<Option<Arc<Material>>> {
+        let Some(words) = words else { return Ok(None) };
+        if let Some(known) = materials.get(words) {
+            return Ok(Some(known.clone()));
+        }
+        let made = Arc::new(Material::new(Brdf::parse(words)?));
+        materials.insert(words.clone(), made.clone());
+        Ok(Some(made))
+    };
     for (index, object) in description.objects.iter().enumerate() {
         let twin = description.objects[..index].iter().position(|other| {
-            (&other.baked, &other.field, other.albedo) == (&object.baked, &object.field, object.albedo)
+            let are_alike = other.material.is_some() == object.material.is_some();
+            are_alike
+                && (&other.baked, &other.field, other.albedo) == (&object.baked, &object.field, object.albedo)
         });
         let mut actor = match twin {
             Some(twin) => actors[twin].clone(),
             None => read_actor(object, description.bands)?,
         };
         actor.name.clone_from(&object.name);
+        actor.material = material_of(&object.material)?;
         actor.motion = object.motion.clone();
         actors.push(actor);
     }
     if let Some(description_of_ground) = &description.ground {
-        actors.push(ground(description_of_ground, description.bands)?);
+        let material = material_of(&description_of_ground.material)?;
+        actors.push(Actor { material, ..ground(description_of_ground, description.bands)? });
     }
     let (bands, light, seconds) = (description.bands, description.light, description.seconds);
     Ok(Stage { bands, light, seconds, actors })
 }
 
-/// Reads what an object of a scene names.
+/// Reads what an object of a scene names, but for its material.
 ///
 /// # Errors
 /// If a file cannot be read, has no visibility, or other bands.
@@ -68,7 +84,8 @@ pub fn read_actor(object: &ObjectDescription, bands: Bands) -> Result<Actor> {
         }
     };
     let mut points = baked.points;
-    if let Some(albedo) = object.albedo {
+    // A material has its own colour unless another is said.
+    if let Some(albedo) = object.albedo.or(object.material.as_ref().map(|_| [1.0; 3])) {
         points.albedo.fill(albedo);
     }
     Ok(Actor {
@@ -77,6 +94,7 @@ pub fn read_actor(object: &ObjectDescription, bands: Bands) -> Result<Actor> {
         visibility: Arc::new(visibility),
         field,
         spheres: None,
+        material: None,
         motion: object.motion.clone(),
     })
 }

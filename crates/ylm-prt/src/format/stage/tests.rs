@@ -27,15 +27,16 @@ fn everything_that_is_said_is_read() {
             "light": [{"source": "white", "intensity": 2}, {"source": "sphere", "pos": [0, 4, 0], "radius": 1}],
             "objects": [
               {"name": "a", "baked": "a.baked", "field": "a.field", "albedo": [1, 0.5, 0], "scale": 2,
-               "position": [1, 2, 3], "turn": [90, 0], "spin": {"axis": [0, 0, 2], "period": -4}},
+               "material": "ggx:0.3,0.04", "position": [1, 2, 3], "turn": [90, 0], "spin": {"axis": [0, 0, 2], "period": -4}},
               {"name": "b", "model": "b.obj", "up": "z", "casts": false,
                "motion": [{"time": 1, "position": [0, 1, 0]}, {"time": 2, "rotation": [0, 0, 2, 0]}]}],
-            "ground": {"height": -1, "center": [1, 2], "size": 9, "cells": 3, "albedo": [0.1, 0.2, 0.3]}}"#,
+            "ground": {"height": -1, "center": [1, 2], "size": 9, "cells": 3, "material": "steel.binary"}}"#,
     )
     .unwrap();
     assert_eq!((scene.light.parts().len(), scene.light.is_local()), (2, true));
     let [a, b] = &scene.objects[..] else { panic!() };
     assert_eq!((a.motion.scale, a.albedo), (2.0, Some([1.0, 0.5, 0.0])));
+    assert_eq!((a.material.as_deref(), &b.material), (Some("ggx:0.3,0.04"), &None));
     assert_eq!(a.motion.keys[0].position, Vec3::new(1.0, 2.0, 3.0));
     assert!((a.motion.keys[0].rotation * Vec3::Z - Vec3::X).length() <= 1e-6);
     assert_eq!(a.motion.spin, Some(Spin { axis: Vec3::Z, period: -4.0 }));
@@ -44,6 +45,7 @@ fn everything_that_is_said_is_read() {
     assert_eq!(b.motion.keys[1].position, Vec3::Y);
     assert_eq!(b.motion.keys[1].rotation, Quat::from_xyzw(0.0, 0.0, 1.0, 0.0));
     let ground = scene.ground.unwrap();
+    assert_eq!((ground.material.as_deref(), ground.albedo), (Some("folder/steel.binary"), [1.0; 3]));
     assert_eq!((ground.height, ground.center, ground.size, ground.cells), (-1.0, [1.0, 2.0], 9.0, 3));
 }
 
@@ -90,6 +92,17 @@ fn each_fault_names_its_place() {
             "object 1 (a): \"position\" is [0,1], expected three numbers",
         ),
         (r#""a/chair.ply""#, r#""a.ply", "position": [0, 1, 1e99]"#, "object 1 (a): \"position\""),
+        (
+            r#""a/chair.ply""#,
+            r#""a.ply", "material": "ggx:3""#,
+            "object 1 (a): \"material\": no BRDF \"ggx:3\"; there are lambert",
+        ),
+        (r#""a/chair.ply""#, r#""a.ply", "material": ["ggx"]"#, "\"material\" is [\"ggx\"], expected a text"),
+        (
+            r#""objects""#,
+            r#""ground": {"size": 1, "material": "tin"}, "objects""#,
+            "the ground: \"material\"",
+        ),
         (r#""a/chair.ply""#, r#""a.ply", "scale": -1"#, "object 1 (a): \"scale\" is -1"),
         (r#""a/chair.ply""#, r#""a.ply", "rotation": [0, 0, 0, 0]"#, "a quaternion of a length above 0"),
         (

@@ -9,7 +9,7 @@ mod words;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use glam::{DVec3, Mat3, Vec3};
+use glam::{DVec3, Mat3, Quat, Vec3};
 
 pub use merl::{Merl, MerlFault};
 
@@ -94,10 +94,11 @@ fn ggx(roughness: f64, reflectance: f64, from: DVec3, to: DVec3, half: DVec3) ->
     facets * shadowing * fresnel
 }
 
-/// The frame of a surface with this unit normal: z the normal, x horizontal, around the world's up axis as a lathe brushes; where the
-/// normal is straight up or down, x is the world's.
-pub fn surface_frame(normal: Vec3) -> Mat3 {
-    let x = Vec3::Y.cross(normal).try_normalize().unwrap_or(Vec3::X);
+/// The frame of a surface with this unit normal: z the normal, x around an axis as a lathe brushes, the object's up axis; where the normal is
+/// that of the axis, x is as if the object were upright.
+pub fn surface_frame(normal: Vec3, axis: Vec3) -> Mat3 {
+    let upright = || (Quat::from_rotation_arc(Vec3::Y, axis) * Vec3::X).reject_from(normal);
+    let x = axis.cross(normal).try_normalize().unwrap_or_else(|| upright().normalize_or(Vec3::X));
     Mat3::from_cols(x, normal.cross(x), normal)
 }
 
@@ -168,9 +169,17 @@ mod tests {
     #[test]
     fn a_surface_is_brushed_around_the_up_axis() {
         for normal in [Vec3::X, Vec3::Y, Vec3::NEG_Y, Vec3::new(0.6, 0.48, 0.64)] {
-            let frame = surface_frame(normal);
+            let frame = surface_frame(normal, Vec3::Y);
             assert!((frame.determinant() - 1.0).abs() <= 1e-6 && frame.z_axis == normal);
             assert!(frame.x_axis.y.abs() <= 1e-6, "{normal}");
+            // An object that is turned takes its brush along.
+            let turn = Quat::from_axis_angle(Vec3::new(0.48, 0.6, 0.64), 1.3);
+            let turned = surface_frame(turn * normal, turn * Vec3::Y);
+            assert!(
+                (turned - Mat3::from_quat(turn) * frame).abs_diff_eq(Mat3::ZERO, 1e-5)
+                    || normal.y.abs() == 1.0
+            );
+            assert!((turned.determinant() - 1.0).abs() <= 1e-6 && turned.x_axis.is_normalized());
         }
     }
 }

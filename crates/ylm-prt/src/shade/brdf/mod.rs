@@ -4,23 +4,22 @@
 //! functions of n bands, in quadrature space. [Xin21] 5.3.1; [Kautz et al. 2002] "Fast, arbitrary BRDF shading for low-frequency lighting using
 //! spherical harmonics" for the table
 
+mod facing;
 mod table;
 
+pub(in crate::shade) use facing::{Facing, FacingScratch};
 pub use table::{BrdfTable, project_brdf};
 
-use glam::{Mat3, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
-use ylm::product::grid::{Factor, Grid, Values};
-use ylm::rotate::FrameRotation;
 use ylm::window::Window;
 use ylm::{Bands, Workspace};
 
 use crate::error::{Error, Result};
 use crate::light::LightCoeffs;
 use crate::scene::LightingPoints;
-use crate::scene::brdf::surface_frame;
-use crate::shade::grey;
 use crate::shade::incident::{Incident, channel_count};
+use crate::shade::lit::{Integral, IntegralScratch};
 use crate::transfer::Baked;
 
 /// What is reflected towards an eye.
@@ -48,14 +47,10 @@ const CHUNK: usize = 64;
 #[derive(Default)]
 struct Scratch {
     workspace: Workspace,
-    local: Vec<f32>,
-    world: Vec<f32>,
-    normals: Vec<[f32; 3]>,
-    spins: Vec<[f32; 2]>,
+    functions: Vec<f32>,
+    facing: FacingScratch,
     light: Vec<f32>,
-    repeated: Vec<f32>,
-    every: Vec<f32>,
-    out: Vec<f32>,
+    integral: IntegralScratch,
 }
 
 /// The radiance that each lighting point of a scene sends towards an eye, by its BRDF alone: no albedo.
@@ -95,17 +90,11 @@ struct Shader<'a> {
     points: &'a LightingPoints,
     visibility: &'a [f32],
     bands: Bands,
-    grid: Grid<f32>,
-    rotation: FrameRotation<f32>,
-    light: Ready<'a>,
-    reflection: &'a Reflection<'a>,
-}
-
-/// A light that is ready for products.
-enum Ready<'a> {
-    /// In quadrature space once: [channel], and the colour of one that has but one.
-    Far(Vec<Values<f32>>, Vec3),
-    Near(&'a dyn Incident),
+    integral: Integral,
+    facing: Facing<'a>,
+    /// Of a light that is another at each point.
+    near: Option<&'a dyn Incident>,
+    window: Option<Window>,
 }
 
 impl<'a> Shader<'a> {
@@ -116,105 +105,37 @@ impl<'a> Shader<'a> {
         light: &'a BrdfLight<'a>,
         reflection: &'a Reflection<'a>,
     ) -> Result<Self> {
-        let grid = Grid::new(bands, 2)?;
-        let light = match light {
-            BrdfLight::Near(incident) => Ready::Near(*incident),
-            BrdfLight::Far(coeffs) => {
-                let coeffs = coeffs.resized(bands);
-                let (tint, channels) = match grey::split(&coeffs) {
-                    Some(grey) => (grey.tint, vec![grey.coeffs]),
-                    None => (Vec3::ONE, coeffs.channels.to_vec()),
-                };
-                let mut workspace = Workspace::new();
-                let values = channels.iter().map(|c| grid.values(c, &mut workspace));
-                Ready::Far(values.collect::<ylm::Result<_>>()?, tint)
-            }
+        let (far, near) = match light {
+            BrdfLight::Near(incident) => (None, Some(*incident)),
+            BrdfLight::Far(coeffs) => (Some(coeffs.resized(bands)), None),
         };
-        Ok(Self { points, visibility, bands, grid, rotation: FrameRotation::new(bands), light, reflection })
+        Ok(Self {
+            points,
+            visibility,
+            bands,
+            integral: Integral::new(bands, far.as_ref())?,
+            facing: Facing::new(reflection.table, reflection.eye),
+            near,
+            window: reflection.window,
+        })
     }
 
     fn shade(&self, first: usize, radiance: &mut [Vec3], scratch: &mut Scratch) -> Result<()> {
-        let Scratch { workspace, local, world, normals, spins, light, repeated, every, out } = scratch;
-        let (width, table) = (self.bands.coeff_count(), self.reflection.table);
-        let channels = table.channels();
+        let Scratch { workspace, functions, facing, light, integral } = scratch;
+        let width = self.bands.coeff_count();
         let range = first..first + radiance.len();
-        normals.clear();
-        spins.clear();
-        local.resize(radiance.len() * channels * width, 0.0);
-        world.resize(local.len(), 0.0);
-        for (point, local) in range.clone().zip(local.chunks_exact_mut(channels * width)) {
-            let (position, normal) = (self.points.positions[point], self.points.normals[point]);
-            let frame = surface_frame(normal);
-            let to_eye = (self.reflection.eye - position).normalize_or(normal);
-            let spin = table.at(frame.transpose() * to_eye, local);
-            let spin = spin_of(frame, normal, spin);
-            for _ in 0..channels {
-                normals.push(normal.to_array());
-                spins.push(spin);
-            }
-        }
         // What is left of a band of the product of light and visibility is left of the BRDF's, which it meets.
-        if let Some(window) = self.reflection.window {
-            window.apply(self.bands, local)?;
-        }
-        self.rotation.apply(local, normals, spins, world)?;
+        self.facing.functions(self.points, range.clone(), self.window, functions, facing)?;
         let own = &self.visibility[range.start * width..range.end * width];
-        match &self.light {
-            Ready::Far(values, tint) if channels == 1 => {
-                out.resize(radiance.len() * values.len(), 0.0);
-                let factors = [Factor::Rows(own), Factor::Rows(world.as_slice())];
-                self.grid.integrals_against(&factors, values, out, workspace)?;
-                for (radiance, of_point) in radiance.iter_mut().zip(out.chunks_exact(values.len())) {
-                    *radiance = *tint * Vec3::from_array(std::array::from_fn(|c| of_point[c % values.len()]));
-                }
-            }
-            Ready::Far(values, tint) => {
-                // Each channel of the BRDF meets one of the light: those that do not are computed beside.
-                let rows = own.chunks_exact(width);
-                repeated.clear();
-                rows.for_each(|row| (0..channels).for_each(|_| repeated.extend_from_slice(row)));
-                every.resize(radiance.len() * channels * values.len(), 0.0);
-                let factors = [Factor::Rows(repeated.as_slice()), Factor::Rows(world.as_slice())];
-                self.grid.integrals_against(&factors, values, every, workspace)?;
-                for (point, radiance) in radiance.iter_mut().enumerate() {
-                    let at = |c: usize| every[(point * channels + c) * values.len() + c % values.len()];
-                    *radiance = *tint * Vec3::new(at(0), at(1), at(2));
-                }
-            }
-            Ready::Near(incident) => {
-                let light_channels = channel_count(*incident);
-                let all = channels.max(light_channels);
-                let light_width = incident.bands().coeff_count();
-                if light_width != width {
-                    return Err(Error::Request("the light has other bands than the scene".to_owned()));
-                }
-                light.resize(radiance.len() * light_channels * width, 0.0);
-                incident.write(&self.points.positions, range.clone(), light)?;
-                let spread = |rows: &[f32], of: usize| -> Vec<f32> {
-                    let points = rows.chunks_exact(of * width);
-                    points
-                        .flat_map(|rows| (0..all).flat_map(move |c| &rows[c % of * width..][..width]))
-                        .copied()
-                        .collect()
-                };
-                let (own, world, light) =
-                    (spread(own, 1), spread(world, channels), spread(light, light_channels));
-                out.resize(radiance.len() * all, 0.0);
-                let factors = [own.as_slice(), world.as_slice(), light.as_slice()].map(Factor::Rows);
-                self.grid.integral(&factors, 1, out, workspace)?;
-                let tint = incident.tint().unwrap_or(Vec3::ONE);
-                for (radiance, of_point) in radiance.iter_mut().zip(out.chunks_exact(all)) {
-                    *radiance = tint * Vec3::from_array(std::array::from_fn(|c| of_point[c % all]));
-                }
-            }
+        let Some(near) = self.near else {
+            return self.integral.add_far(own, functions, radiance, integral, workspace);
+        };
+        if near.bands() != self.bands {
+            return Err(Error::Request("the light has other bands than the scene".to_owned()));
         }
-        Ok(())
+        light.resize(radiance.len() * channel_count(near) * width, 0.0);
+        near.write(&self.points.positions, range, light)?;
+        let tint = near.tint().unwrap_or(Vec3::ONE);
+        self.integral.add_near(own, functions, light, tint, radiance, integral, workspace)
     }
-}
-
-/// The spin of [`FrameRotation`] that takes x to the frame's x axis, after a turn about z by [cos, sin].
-fn spin_of(frame: Mat3, normal: Vec3, [cos, sin]: [f32; 2]) -> [f32; 2] {
-    let polar = crate::field::radial_frame(normal);
-    let x = cos * frame.x_axis + sin * frame.y_axis;
-    [x.dot(polar.x_axis), x.dot(polar.y_axis)]
 }

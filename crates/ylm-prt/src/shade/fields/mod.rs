@@ -1,7 +1,8 @@
 //! Relighting of rigid objects that move: each point's own visibility times what every other object leaves of it.
 //!
 //! V(x, ω) = V_self(x, ω) · Π_j (1 − B_j(x, ω)), B_j the field of object j, turned and interpolated: a product of many functions of n bands,
-//! exact to n bands or as a chain of triple products. Irradiance is ∫ L V max(0, n·ω) dω, in n bands of each.
+//! exact to n bands or as a chain of triple products. Radiance is ∫ L V ρ(ω, ω_o) dω, in n bands of each; ρ is the BRDF towards the eye with the
+//! cosine in it, of a diffuse body max(0, n·ω)/π.
 //!
 //! Everything happens in the axes of the object that is lit: its own visibility and its cosines stand still there, the light is turned
 //! once, and fields have to be turned for each point anyway. [Zhou et al. 2005], [Xin21] 5.3.2
@@ -15,7 +16,6 @@ use std::time::Instant;
 
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
-use ylm::product::grid::{Factor, Grid, Values};
 use ylm::rotate::FrameRotation;
 use ylm::window::Window;
 use ylm::zonal::Zonal;
@@ -25,8 +25,9 @@ use crate::error::{Error, Result};
 use crate::field::{OcclusionField, SphereSet};
 use crate::light::{Light, LightCoeffs};
 use crate::scene::{LightingPoints, Pose};
+use crate::shade::brdf::{BrdfTable, Facing, FacingScratch};
 use crate::shade::diffuse::reflected;
-use crate::shade::grey;
+use crate::shade::lit::{Integral, IntegralScratch};
 use exponential::Exponential;
 pub use exponential::LogTable;
 use lamps::Lamp;
@@ -44,6 +45,8 @@ pub struct Body<'a> {
     pub field: Option<&'a OcclusionField>,
     /// The same as balls, for [`FieldProduct::Exponential`].
     pub spheres: Option<&'a SphereSet>,
+    /// How it reflects, times its albedo; `None` if it is diffuse.
+    pub material: Option<&'a BrdfTable>,
     /// Where it stands.
     pub world_from_local: Pose,
 }
@@ -69,6 +72,8 @@ pub struct FieldShading {
     pub product: FieldProduct,
     /// Damps each point's visibility after the products, against ringing.
     pub window: Option<Window>,
+    /// Where the radiance goes, in the world; it matters where there are materials.
+    pub eye: Vec3,
 }
 
 /// What comes of shading: radiance, and what it took.
@@ -84,7 +89,8 @@ pub struct FieldFrame {
     pub thread_seconds: f64,
 }
 
-/// The radiance that leaves each point of diffuse bodies: albedo/π times irradiance, and what the body sends out itself.
+/// The radiance that leaves each point: of diffuse bodies albedo/π times irradiance, of others albedo times what the BRDF reflects towards the
+/// eye; and what the body sends out itself.
 ///
 /// Objects hide light from each other and from themselves; they send none to each other. What is in the way of a lamp that stands somewhere is
 /// what is nearer to the point than the lamp's middle, by its centre. The result can be negative where bands ring; it is not clamped here.
@@ -104,7 +110,8 @@ pub fn shade_fields(
     let width = bands.coeff_count();
     for (index, body) in bodies.iter().enumerate() {
         let has_bands = body.visibility.len() == body.points.positions.len() * width
-            && body.field.is_none_or(|field| field.bands() == bands);
+            && body.field.is_none_or(|field| field.bands() == bands)
+            && body.material.is_none_or(|table| table.bands() == bands);
         if !has_bands {
             return Err(Error::Request(format!(
                 "object {} has not {} bands, which the scene is shaded in",
@@ -159,12 +166,11 @@ struct Lit<'a> {
     window: Option<Window>,
     /// Takes the world's axes to those of the body.
     local_from_world: Quat,
-    /// The far light, ready for products.
-    grid: Grid<f32>,
-    far: Vec<Values<f32>>,
-    tint: Vec3,
+    integral: Integral,
     lamps: Vec<Lamp>,
     cosine: Zonal<f32>,
+    /// What is reflected of a body with a material.
+    facing: Option<Facing<'a>>,
     rotation: FrameRotation<f32>,
     multiply: Multiply,
     exponential: Option<Exponential<'a>>,
@@ -176,8 +182,9 @@ struct Scratch {
     workspace: Workspace,
     seen: Seen,
     visibility: Vec<f32>,
-    cosines: Vec<f32>,
-    irradiance: Vec<f32>,
+    functions: Vec<f32>,
+    facing: FacingScratch,
+    integral: IntegralScratch,
     lamp: lamps::Scratch,
     multiply: multiply::Scratch,
     exponential: exponential::Scratch,
@@ -193,26 +200,19 @@ impl<'a> Lit<'a> {
         shading: &FieldShading,
         log_table: Option<&'a LogTable>,
     ) -> Result<Self> {
-        let local_from_world = bodies[index].world_from_local.rotation.conjugate();
+        let pose = bodies[index].world_from_local;
+        let local_from_world = pose.rotation.conjugate();
         let far = far.rotated(local_from_world)?;
-        let (tint, channels) = match grey::split(&far) {
-            Some(grey) => (grey.tint, vec![grey.coeffs]),
-            None => (Vec3::ONE, far.channels.to_vec()),
-        };
-        let grid = Grid::new(bands, 2)?;
-        let mut workspace = Workspace::new();
-        let far = channels.iter().map(|c| grid.values(c, &mut workspace)).collect::<ylm::Result<_>>()?;
         Ok(Self {
             bodies,
             index,
             bands,
             window: shading.window,
             local_from_world,
-            grid,
-            far,
-            tint,
+            integral: Integral::new(bands, Some(&far))?,
             lamps: Lamp::all(light, local_from_world),
             cosine: Zonal::clamped_cosine(bands),
+            facing: bodies[index].material.map(|table| Facing::new(table, pose.undo(shading.eye))),
             rotation: FrameRotation::new(bands),
             multiply: Multiply { bands, product: shading.product },
             exponential: log_table.map(|table| Exponential { table, bodies, index }),
@@ -228,7 +228,7 @@ impl<'a> Lit<'a> {
         let start = Instant::now();
         let (points, width) = (self.body().points, self.bands.coeff_count());
         let range = first..first + radiance.len();
-        let Scratch { workspace, seen, visibility, cosines, irradiance, lamp, multiply, exponential } =
+        let Scratch { workspace, seen, visibility, functions, facing, integral, lamp, multiply, exponential } =
             scratch;
         let mut product_seconds = 0.0;
         let own = &self.body().visibility[range.start * width..range.end * width];
@@ -245,18 +245,18 @@ impl<'a> Lit<'a> {
         self.damp(visibility)?;
         product_seconds += product_start.elapsed().as_secs_f64();
 
-        let normals: Vec<[f32; 3]> = points.normals[range.clone()].iter().map(|n| n.to_array()).collect();
-        cosines.resize(own.len(), 0.0);
-        self.cosine.rotate_batch(&normals, cosines)?;
-        let product_start = Instant::now();
-        let channels = self.far.len();
-        irradiance.resize(radiance.len() * channels, 0.0);
-        let factors = [Factor::Rows(visibility.as_slice()), Factor::Rows(cosines.as_slice())];
-        self.grid.integrals_against(&factors, &self.far, irradiance, workspace)?;
-        product_seconds += product_start.elapsed().as_secs_f64();
-        for (radiance, of_point) in radiance.iter_mut().zip(irradiance.chunks_exact(channels)) {
-            *radiance = self.tint * Vec3::from_array(std::array::from_fn(|c| of_point[c % channels]));
+        match &self.facing {
+            Some(way) => way.functions(points, range.clone(), None, functions, facing)?,
+            None => {
+                let normals: Vec<[f32; 3]> =
+                    points.normals[range.clone()].iter().map(|n| n.to_array()).collect();
+                functions.resize(own.len(), 0.0);
+                self.cosine.rotate_batch(&normals, functions)?;
+            }
         }
+        let product_start = Instant::now();
+        self.integral.add_far(visibility, functions, radiance, integral, workspace)?;
+        product_seconds += product_start.elapsed().as_secs_f64();
         for light in &self.lamps {
             let pose = &self.body().world_from_local;
             let places = points.positions[range.clone()].iter().map(|&x| pose.apply(x));
@@ -279,13 +279,14 @@ impl<'a> Lit<'a> {
                     &*lamp.visibility
                 }
             };
-            irradiance.resize(radiance.len(), 0.0);
-            let factors = [visibility, cosines.as_slice(), lamp.light.as_slice()].map(Factor::Rows);
-            self.grid.integral(&factors, 1, irradiance, workspace)?;
-            radiance.iter_mut().zip(&*irradiance).for_each(|(radiance, e)| *radiance += light.colour * *e);
+            let (rows, colour) = (lamp.light.as_slice(), light.colour);
+            self.integral.add_near(visibility, functions, rows, colour, radiance, integral, workspace)?;
         }
         for (radiance, point) in radiance.iter_mut().zip(range) {
-            *radiance = reflected(*radiance, points.albedo[point]);
+            *radiance = match &self.facing {
+                Some(_) => *radiance * Vec3::from(points.albedo[point]),
+                None => reflected(*radiance, points.albedo[point]),
+            };
             if let Some(emission) = &points.emission {
                 *radiance += Vec3::from(emission[point]);
             }
