@@ -31,7 +31,7 @@ bench:
 
 # The Python package's tests alone. Its extension is the workspace's, from the profile of the other tests.
 python: $(PYTHON_VENV)/ready
-	$(CARGO) build --locked -p ylm-python -p ylm-cli --lib --bins --examples
+	$(BUILD_EXTENSION)
 	$(TEST_PYTHON)
 
 # The Python package as a source distribution, unpacked and installed elsewhere: what it takes is in it, the Rust crates too.
@@ -45,7 +45,7 @@ sdist: $(PYTHON_VENV)/ready
 
 # Gradients through torch, which is too large for every run: a wheel for CPUs, or where there is none Debian's package.
 torch: $(TORCH_VENV)/ready
-	$(CARGO) build --locked -p ylm-python --lib
+	$(BUILD_EXTENSION)
 	$(COPY_EXTENSION)
 	cd python && .venv-torch/bin/python -m pytest tests/test_torch.py
 
@@ -79,6 +79,7 @@ $(VENV)/ready $(PYTHON_VENV)/ready:
 # The extension that cargo built stands beside the Python files; types are checked, then everything runs. `cargo test` leaves it in
 # deps, `cargo build` beside it as well: the newest is the one.
 BUILT = $${CARGO_TARGET_DIR:-target}/debug
+BUILD_EXTENSION = $(CARGO) build --locked -p ylm-python -p ylm-cli --lib --bins --examples
 define COPY_EXTENSION
 	cp $$(ls -t $(BUILT)/lib_native.so $(BUILT)/deps/lib_native.so $(BUILT)/lib_native.dylib $(BUILT)/deps/lib_native.dylib \
 		2>/dev/null | head -1) python/ylm/_native.abi3.so
