@@ -13,13 +13,16 @@ use ylm_prt::light::Light;
 use ylm_prt::reference::{Occlusion, SeenSurface, Settings, irradiance, reflected};
 use ylm_prt::scene::brdf::{Brdf, surface_frame};
 use ylm_prt::scene::{Bvh, LightingPoints, Mesh, Pose, ball};
-use ylm_prt::shade::{FieldProduct, FieldShading};
+use ylm_prt::shade::{Apart, FieldFrame, FieldProduct, FieldShading};
 use ylm_prt::stage::{Actor, GroundDescription, Material, Motion, Stage, ground};
 
 const EXACT: FieldShading = by(FieldProduct::Exact);
 
+/// The product of all that is within reach, whether it overlaps or not.
+const MULTIPLIED: FieldShading = FieldShading { apart: Apart::Multiplied, ..EXACT };
+
 const fn by(product: FieldProduct) -> FieldShading {
-    FieldShading { product, window: None, eye: Vec3::new(1.0, 3.0, 5.0) }
+    FieldShading { product, apart: Apart::Added, window: None, eye: Vec3::new(1.0, 3.0, 5.0) }
 }
 
 fn bands(n: usize) -> Bands {
@@ -98,7 +101,7 @@ fn radiance_is_the_product_of_all_visibilities_computed_by_other_ways() {
     let mut stage = stage(n, "sky:clear?sun=50,30&ground=0.1");
     // One body is brushed, in a colour of its own; the others are diffuse.
     stage.actors[1].material = Some(Arc::new(Material::new("ward:0.3,0.6".parse().unwrap())));
-    let frame = stage.shade(0.0, &EXACT).unwrap();
+    let frame = stage.shade(0.0, &MULTIPLIED).unwrap();
     let light = stage.light.project(stage.bands).unwrap();
     let poses = stage.poses(0.0);
     assert!(frame.pair_count > 100);
@@ -267,6 +270,45 @@ fn a_glossy_ground_shows_objects_shadows_as_rays_do() {
     assert!(shadowed <= 0.03 && open > 3.0 * shadowed, "{shadowed} {open}");
 }
 
+/// Nine balls here and there over a ground.
+fn many_balls(n: usize, light: &str) -> Stage {
+    let one = actor(&ball(Vec3::ZERO, 0.35, 2), n, 0.05, Pose::IDENTITY);
+    let place = |k: usize| at((k % 3) as f32 - 1.0, 0.5 + 0.3 * ((k * 5) % 4) as f32, (k / 3) as f32 - 1.0);
+    let balls = (0..9).map(|k| Actor { motion: Motion::still(place(k)), ..one.clone() });
+    let actors = balls.chain([floor(n, 16)]).collect();
+    Stage { bands: bands(n), light: Light::parse(light).unwrap(), seconds: 1.0, actors }
+}
+
+#[test]
+fn objects_that_do_not_overlap_may_be_added() {
+    let stage = many_balls(8, "sky:overcast?intensity=0.5+disc?dir=0.3,1,0.2&angle=20&intensity=5");
+    let surface = stage.surface(0.0);
+    let bvh = Bvh::build(&surface.positions, &surface.triangles);
+    let settings = Settings { rays: 512, ..Settings::default() };
+    let all: Vec<u32> = (0..surface.positions.len() as u32).collect();
+    let truth = irradiance(&surface, &all, Occlusion::By(&bvh), &stage.light, &settings, &|_| true).unwrap();
+    let [added, multiplied] = [EXACT, MULTIPLIED].map(|shading| stage.shade(0.0, &shading).unwrap());
+    let error = |frame: &FieldFrame| {
+        let square: f64 = (frame.radiance.iter().flatten().zip(&truth.values).zip(&surface.albedo))
+            .map(|((r, e), albedo)| f64::from(r.x - albedo[0] * e.x * std::f32::consts::FRAC_1_PI).powi(2))
+            .sum();
+        (square / all.len() as f64).sqrt()
+    };
+    let pairs = added.radiance.iter().flatten().zip(multiplied.radiance.iter().flatten());
+    let square: f64 = pairs.map(|(a, b)| f64::from(a.x - b.x).powi(2)).sum();
+    let apart = (square / all.len() as f64).sqrt();
+    println!(
+        "added {} multiplied {}, {apart} between them; {} and {} pairs",
+        error(&added),
+        error(&multiplied),
+        added.pair_count,
+        multiplied.pair_count
+    );
+    assert!(added.pair_count < multiplied.pair_count);
+    // Of radiances around 1.
+    assert!(error(&added) <= 1.02 * error(&multiplied) && apart <= 0.01);
+}
+
 #[test]
 fn an_object_along_its_path_makes_no_jumps() {
     let n = 6;
@@ -294,10 +336,30 @@ fn an_object_along_its_path_makes_no_jumps() {
         largest
     };
     let [far, near] = [1e-4, 2.5e-5].map(&mut largest);
-    println!("{} {}", 255.0 * far, 255.0 * near);
+    println!("jumps: {} {}", 255.0 * far, 255.0 * near);
     // 1.4 mm from frame to frame; and what changes is no jump, which would be as large between nearer moments.
     assert!(far <= 1.0 / 255.0, "{} / 255", 255.0 * far);
     assert!(near <= 0.35 * far, "{} and {} / 255", 255.0 * far, 255.0 * near);
+}
+
+#[test]
+fn nothing_jumps_where_objects_come_to_overlap() {
+    let mut stage = many_balls(6, "sky:overcast?intensity=0.5+disc?dir=0.3,1,0.2&angle=25&intensity=3");
+    let mut at = |t: f32| {
+        // Past all others, and at last far away.
+        stage.actors[0].motion = Motion::still(at(2.5 - 5.0 * t, 1.1, 1.2 - 2.0 * t));
+        stage.shade(0.0, &EXACT).unwrap().radiance
+    };
+    let mut largest: f32 = 0.0;
+    for step in 0..60 {
+        let [before, after] = [0.0, 1e-5].map(|more| at(step as f32 / 60.0 + more));
+        for (before, after) in before[1..].iter().flatten().zip(after[1..].iter().flatten()) {
+            largest = largest.max((*before - *after).abs().max_element());
+        }
+    }
+    // What moves by 0.05 mm; objects that begin to count as overlapping change a point by no more.
+    println!("overlap: {}", 255.0 * largest);
+    assert!(largest <= 1.0 / 255.0, "{} / 255", 255.0 * largest);
 }
 
 #[test]

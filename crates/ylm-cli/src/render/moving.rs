@@ -268,7 +268,7 @@ fn shade(
         _ => FieldProduct::Exact,
     };
     let window = arguments.moving.product_window;
-    let frame = stage.shade(time, &FieldShading { product, window, eye })?;
+    let frame = stage.shade(time, &FieldShading { product, window, eye, ..FieldShading::default() })?;
     let shaded = Shaded { noise: None, radiance: frame.radiance.concat() };
     Ok((drawn(shaded, frame.pair_count, Some(frame.product_seconds / frame.thread_seconds)), None))
 }

@@ -116,7 +116,9 @@ pub fn bake_field(
         source_sha256: String::new(),
         ylm_version: env!("CARGO_PKG_VERSION").to_owned(),
     };
-    let mut field = OcclusionField::new(settings.bands, center, radius, reach, shells, record)?;
+    let bounds = used.iter().fold([used[0]; 2], |[low, high], p| [low.min(*p), high.max(*p)]);
+    let field = OcclusionField::new(settings.bands, center, radius, reach, shells, record)?;
+    let mut field = field.within(bounds)?;
     [field.record.error_outside, field.record.error_inside] = measure(&field, &baker, rays)?;
     Ok(field)
 }

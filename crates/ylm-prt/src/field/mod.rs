@@ -37,6 +37,7 @@ pub struct OcclusionField {
     bands: Bands,
     center: Vec3,
     radius: f32,
+    bounds: [Vec3; 2],
     shells: Vec<Shell>,
     reach: f32,
     order: PlaneOrder,
@@ -107,7 +108,21 @@ impl OcclusionField {
         if shells.iter().any(|shell| shell.bands() != bands) {
             return refuse("a shell has another number of bands than its field".to_owned());
         }
-        Ok(Self { bands, center, radius, shells, reach, order: PlaneOrder::new(bands), record })
+        let bounds = [center - radius, center + radius];
+        Ok(Self { bands, center, radius, bounds, shells, reach, order: PlaneOrder::new(bands), record })
+    }
+
+    /// The same field of an object that is known to lie within a box: its lowest and its highest corner, in the object's axes.
+    ///
+    /// # Errors
+    /// If a number is not finite, or the corners are the wrong way around.
+    pub fn within(self, bounds: [Vec3; 2]) -> Result<Self> {
+        let [low, high] = bounds;
+        if low.is_finite() && high.is_finite() && low.cmple(high).all() {
+            Ok(Self { bounds, ..self })
+        } else {
+            Err(Error::Request(format!("a field within the corners {low} and {high}, which are no box")))
+        }
     }
 
     /// n.
@@ -123,6 +138,11 @@ impl OcclusionField {
     /// The radius of the object's bounding sphere.
     pub fn radius(&self) -> f32 {
         self.radius
+    }
+
+    /// The lowest and the highest corner of a box around the object, in its own axes; that around the bounding sphere where no other is known.
+    pub fn bounds(&self) -> [Vec3; 2] {
+        self.bounds
     }
 
     /// From this distance on nothing is blocked.

@@ -78,6 +78,7 @@ fn metadata(field: &OcclusionField) -> Value {
         "bands": field.bands().count(),
         "center": field.center().to_array(),
         "radius": field.radius(),
+        "bounds": field.bounds().map(|corner| corner.to_array()),
         "reach": field.reach(),
         "error": record.error,
         "error_outside": record.error_outside,
@@ -92,7 +93,7 @@ fn metadata(field: &OcclusionField) -> Value {
 /// A field of bytes in memory.
 fn parse_field(bytes: &[u8]) -> std::result::Result<OcclusionField, BakedFault> {
     let (tensors, entry) = parse_tensors(bytes)?;
-    let Header { bands, center, radius, reach, record } = parse_metadata(&entry)?;
+    let Header { bands, center, radius, bounds, reach, record } = parse_metadata(&entry)?;
     let width = bands.coeff_count();
     let radii: Vec<f32> = list(&tensors, "radii", Dtype::F32, None)?;
     let mut last = 0.0;
@@ -127,15 +128,25 @@ fn parse_field(bytes: &[u8]) -> std::result::Result<OcclusionField, BakedFault> 
         first = samples.end;
     }
     let none = |_| BakedFault::Shape { name: "radii", expected: vec![1], found: vec![radii.len()] };
-    OcclusionField::new(bands, center, radius, reach, shells, record).map_err(none)
+    let field = OcclusionField::new(bands, center, radius, reach, shells, record).map_err(none)?;
+    match bounds {
+        Some(bounds) => field.within(bounds).map_err(|_| wrong_bounds()),
+        None => Ok(field),
+    }
 }
 
 struct Header {
     bands: Bands,
     center: Vec3,
     radius: f32,
+    /// Of files that have them.
+    bounds: Option<[Vec3; 2]>,
     reach: f32,
     record: FieldRecord,
+}
+
+fn wrong_bounds() -> BakedFault {
+    BakedFault::Metadata { key: "bounds", expected: "the lowest and the highest corner of a box".to_owned() }
 }
 
 fn parse_metadata(entry: &Map<String, Value>) -> std::result::Result<Header, BakedFault> {
@@ -153,10 +164,18 @@ fn parse_metadata(entry: &Map<String, Value>) -> std::result::Result<Header, Bak
     let center: [f32; 3] = center
         .filter(|center: &[f32; 3]| center.iter().all(|x| x.is_finite()))
         .ok_or_else(|| wrong("center", "three finite numbers"))?;
+    let bounds = match entry.get("bounds") {
+        None => None,
+        Some(bounds) => {
+            let bounds: [[f32; 3]; 2] = serde_json::from_value(bounds.clone()).map_err(|_| wrong_bounds())?;
+            Some(bounds.map(Vec3::from))
+        }
+    };
     Ok(Header {
         bands,
         center: center.into(),
         radius: positive("radius")?,
+        bounds,
         reach: positive("reach")?,
         record: FieldRecord {
             error: positive("error")?,

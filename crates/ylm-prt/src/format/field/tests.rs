@@ -20,7 +20,8 @@ fn small() -> OcclusionField {
         ylm_version: "0.1.0".to_owned(),
     };
     let shells = vec![shell(1.0, 1), shell(2.0, 2)];
-    OcclusionField::new(bands, Vec3::new(0.5, 0.25, -1.0), 1.5, 4.0, shells, record).unwrap()
+    let field = OcclusionField::new(bands, Vec3::new(0.5, 0.25, -1.0), 1.5, 4.0, shells, record).unwrap();
+    field.within([Vec3::new(-0.5, -0.75, -2.0), Vec3::new(1.5, 1.25, 0.0)]).unwrap()
 }
 
 fn written(field: &OcclusionField) -> Vec<u8> {
@@ -31,7 +32,7 @@ fn written(field: &OcclusionField) -> Vec<u8> {
 }
 
 const HEADER: &str = concat!(
-    r#"{"__metadata__":{"ylm":"{\"bands\":2,\"center\":[0.5,0.25,-1.0],"#,
+    r#"{"__metadata__":{"ylm":"{\"bands\":2,\"bounds\":[[-0.5,-0.75,-2.0],[1.5,1.25,0.0]],\"center\":[0.5,0.25,-1.0],"#,
     r#"\"convention\":\"real orthonormal, Condon-Shortley, z polar, index l(l+1)+m\",\"error\":0.5,\"error_inside\":0.125,"#,
     r#"\"error_outside\":0.25,\"format\":\"field\",\"format_version\":1,\"radius\":1.5,\"rays\":512,\"reach\":4.0,\"seed\":7,"#,
     r#"\"source\":[\"chair.ply\"],"#,
@@ -64,6 +65,7 @@ fn reading_gives_back_what_was_written() {
     let back = parse_field(&bytes).unwrap();
     assert_eq!(back.record, field.record);
     assert_eq!((back.center(), back.radius(), back.reach()), (field.center(), field.radius(), field.reach()));
+    assert_eq!(back.bounds(), field.bounds());
     assert!(back.shells().iter().zip(field.shells()).all(|(a, b)| a.blocked() == b.blocked()));
     assert_eq!(written(&back), bytes);
 }
@@ -101,6 +103,11 @@ fn every_lie_is_told_by_name() {
             r#"\"center\":[0.5,0.25]"#,
             "metadata «center» must be three finite numbers",
         ),
+        (
+            r#"[-0.5,-0.75"#,
+            r#"[-0.5,9.75"#,
+            "metadata «bounds» must be the lowest and the highest corner of a box",
+        ),
         (r#"\"bands\":2"#, r#"\"bands\":3"#, "tensor «blocked» has shape [54, 4], must be [54, 9]"),
         (r#"\"error\":0.5"#, r#"\"error\":0.0"#, "metadata «error» must be a number above 0"),
         (r#""radii":{"#, r#""radix":{"#, "tensor «radii» is missing"),
@@ -125,6 +132,21 @@ fn every_lie_is_told_by_name() {
         let message = changed("{", "{", Some((at, value)));
         assert!(message.contains(expected), "{at}: {message}");
     }
+}
+
+#[test]
+fn a_field_without_bounds_has_those_of_its_sphere() {
+    let mut field = small();
+    let (center, radius) = (field.center(), field.radius());
+    field = field.within([center - 2.0 * radius, center + radius]).unwrap();
+    let bytes = written(&field);
+    let length = u64::from_le_bytes(bytes[..8].try_into().unwrap()) as usize;
+    let header = String::from_utf8(bytes[8..8 + length].to_vec()).unwrap();
+    // The key has another name, which means nothing.
+    let other = header.replace("bounds", "boundz");
+    assert_ne!(header, other);
+    let whole = [&bytes[..8], other.as_bytes(), &bytes[8 + length..]].concat();
+    assert_eq!(parse_field(&whole).unwrap().bounds(), [center - radius, center + radius]);
 }
 
 #[test]

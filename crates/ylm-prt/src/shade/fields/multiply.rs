@@ -7,6 +7,7 @@ use ylm::{Bands, Workspace};
 use super::FieldProduct;
 use super::seen::Seen;
 use crate::error::{Error, Result};
+use crate::field::WHITE;
 
 /// Multiplies visibilities.
 pub struct Multiply {
@@ -17,9 +18,13 @@ pub struct Multiply {
 /// Buffers of a thread.
 #[derive(Default)]
 pub struct Scratch {
-    /// The chosen pairs of each point, and where they begin.
-    pairs: Vec<u32>,
+    /// The chosen pairs of each point, with the factor that each goes into, and where they begin.
+    pairs: Vec<(u32, u8)>,
     starts: Vec<usize>,
+    /// How many factors beside its own visibility each point has.
+    counts: Vec<usize>,
+    /// The groups that the factors of a point stand for.
+    groups: Vec<u8>,
     group: Vec<usize>,
     factors: Vec<Vec<f32>>,
     out: Vec<f32>,
@@ -40,20 +45,30 @@ impl Multiply {
     ) -> Result<()> {
         let width = self.bands.coeff_count();
         let point_count = own.len() / width;
-        let Scratch { pairs, starts, group, factors, out: product } = scratch;
+        let Scratch { pairs, starts, counts: factor_counts, groups, group, factors, out: product } = scratch;
         pairs.clear();
         starts.clear();
+        factor_counts.clear();
         for point in 0..point_count {
             starts.push(pairs.len());
-            pairs.extend(seen.pairs_of(point).filter(|&pair| counts(pair)).map(|pair| pair as u32));
+            groups.clear();
+            for pair in seen.pairs_of(point).filter(|&pair| counts(pair)) {
+                let group = seen.group_of(pair);
+                let factor = groups.iter().position(|known| *known == group).unwrap_or_else(|| {
+                    groups.push(group);
+                    groups.len() - 1
+                });
+                pairs.push((pair as u32, factor as u8));
+            }
+            factor_counts.push(groups.len());
         }
         starts.push(pairs.len());
-        let count_of = |point: usize| starts[point + 1] - starts[point];
-        let most = (0..point_count).map(count_of).max().unwrap_or(0);
+        let count_of = |point: usize| factor_counts[point];
+        let most = factor_counts.iter().copied().max().unwrap_or(0);
         if most + 1 > MAX_FACTORS {
             return Err(Error::Request(format!(
-                "{most} objects hide something from one point, and a product has at most {}; take fields with a \
-                 larger --error, which reach less far",
+                "{most} objects in front of each other hide something from one point, and a product has at most {}; take fields \
+                 with a larger --error, which reach less far",
                 MAX_FACTORS - 1
             )));
         }
@@ -73,10 +88,19 @@ impl Multiply {
             factors.resize_with(factors.len().max(count + 1), Vec::new);
             factors.iter_mut().for_each(Vec::clear);
             for &point in &*group {
+                let first = factors[0].len();
                 factors[0].extend_from_slice(&own[point * width..(point + 1) * width]);
-                let of_point = &pairs[starts[point]..starts[point + 1]];
-                for (factor, &pair) in factors[1..].iter_mut().zip(of_point) {
-                    factor.extend_from_slice(&seen.rows()[pair as usize * width..][..width]);
+                for &(pair, factor) in &pairs[starts[point]..starts[point + 1]] {
+                    let row = &seen.rows()[pair as usize * width..][..width];
+                    let factor = &mut factors[1 + usize::from(factor)];
+                    if factor.len() == first {
+                        factor.extend_from_slice(row);
+                    } else {
+                        // What is blocked adds up: 1 − A − B.
+                        let sum = &mut factor[first..];
+                        sum.iter_mut().zip(row).for_each(|(sum, value)| *sum += value);
+                        sum[0] -= WHITE;
+                    }
                 }
             }
             product.resize(group.len() * width, 0.0);

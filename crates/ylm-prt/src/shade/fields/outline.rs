@@ -94,7 +94,8 @@ impl Outline {
         }
         let parts = |normal: Vec3| {
             let Some(normal) = normal.try_normalize() else { return false };
-            let normal = if self.direction.dot(normal) < other.direction.dot(normal) { -normal } else { normal };
+            let normal =
+                if self.direction.dot(normal) < other.direction.dot(normal) { -normal } else { normal };
             self.sine_above(normal) >= margin.sine && other.sine_above(-normal) >= margin.sine
         };
         // The plane midway between the middles, and planes along the edges of either box.
@@ -113,5 +114,80 @@ impl Outline {
             least = least.min(height / self.lengths[k].max(f32::MIN_POSITIVE));
         }
         least
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Quat;
+
+    /// A box of these half sides around a place, turned.
+    fn extent(center: Vec3, half: Vec3, turn: Quat) -> Extent {
+        let sign = |k: usize, axis: usize| if k >> axis & 1 == 1 { 1.0 } else { -1.0 };
+        let corner = |k| center + turn * (half * Vec3::from_array(std::array::from_fn(|axis| sign(k, axis))));
+        Extent {
+            center,
+            radius: half.length(),
+            axes: [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| turn * axis),
+            corners: std::array::from_fn(corner),
+        }
+    }
+
+    /// Some directions from the origin to a box.
+    fn directions(extent: &Extent) -> Vec<Vec3> {
+        let weights = (0..64).map(|i| -> [f32; 8] {
+            let share: [f32; 8] = std::array::from_fn(|k| ((i * 8 + k) as f32 * 0.618).fract().powi(4));
+            let sum: f32 = share.iter().sum();
+            share.map(|share| share / sum)
+        });
+        let inner = weights.map(|w| (0..8).map(|k| w[k] * extent.corners[k]).sum::<Vec3>());
+        inner.chain(extent.corners).map(Vec3::normalize).collect()
+    }
+
+    #[test]
+    fn what_is_apart_has_no_directions_within_the_margins_in_common() {
+        let margin = Margin { angle: 0.1, sine: 0.1f32.sin() };
+        let (mut apart, mut below) = (0, 0);
+        for i in 0..4000 {
+            let number =
+                |k: i32| ((f64::from(i * 16 + k) * 0.754_877_666_246_693).fract() * 2.0 - 1.0) as f32;
+            let any = |k: i32| Vec3::new(number(k), number(k + 1), number(k + 2));
+            let turn =
+                |k: i32| Quat::from_euler(glam::EulerRot::XYZ, 3.0 * number(k), 3.0 * number(k + 1), 0.3);
+            let [a, b] =
+                [0, 7].map(|k| extent(3.0 * any(k), Vec3::splat(0.1) + any(k + 3).abs(), turn(k + 5)));
+            let [seen_a, seen_b] = [&a, &b].map(|extent| extent.seen_from(Vec3::ZERO));
+            assert_eq!(seen_a.is_apart_from(&seen_b, margin), seen_b.is_apart_from(&seen_a, margin));
+            let (of_a, of_b) = (directions(&a), directions(&b));
+            if seen_a.is_apart_from(&seen_b, margin) {
+                apart += 1;
+                let nearest = of_a.iter().flat_map(|p| of_b.iter().map(|q| p.dot(*q))).fold(-1.0, f32::max);
+                assert!(nearest <= 0.2f32.cos() + 1e-5, "{i}: {}", nearest.acos());
+            }
+            if seen_a.is_below(Vec3::Y, margin) {
+                below += 1;
+                assert!(of_a.iter().all(|d| d.y <= -0.1f32.sin() + 1e-5), "{i}");
+            }
+        }
+        assert!(apart > 500 && below > 200, "{apart} {below}");
+    }
+
+    #[test]
+    fn balls_are_parted_by_their_cones_and_columns_by_upright_planes() {
+        let margin = Margin { angle: 0.1, sine: 0.1f32.sin() };
+        let seen = |center: Vec3, half: Vec3| extent(center, half, Quat::IDENTITY).seen_from(Vec3::ZERO);
+        let column = Vec3::new(0.2, 1.5, 0.2);
+        // Columns side by side, whose spheres overlap; and one behind the other.
+        assert!(
+            seen(Vec3::new(-1.0, 2.0, 2.0), column)
+                .is_apart_from(&seen(Vec3::new(1.0, 0.0, 2.0), column), margin)
+        );
+        assert!(
+            !seen(Vec3::new(0.0, 2.0, 2.0), column)
+                .is_apart_from(&seen(Vec3::new(0.1, 0.0, 4.0), column), margin)
+        );
+        // Within a box nothing is apart.
+        assert!(!seen(Vec3::ZERO, column).is_apart_from(&seen(Vec3::new(9.0, 0.0, 0.0), column), margin));
     }
 }
