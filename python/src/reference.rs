@@ -9,6 +9,7 @@ use ylm_prt::reference::{
 };
 use ylm_prt::scene::{Blockers, Bvh, LightingPoints, ball};
 use ylm_prt::shade::Ball;
+use ylm_prt::stage::Stage;
 use ylm_prt::transfer::{Baked as BakedOf, TransferKind};
 
 use crate::baked::Baked;
@@ -157,16 +158,37 @@ fn of_diffuse(points: &LightingPoints, irradiance: &Irradiance, share: f32) -> F
     (radiance.collect(), errors.collect())
 }
 
-/// The same of any surface under its own triangles alone.
-pub fn judge_surface(
-    surface: &LightingPoints,
-    light: &LightOf,
+/// The same of a stage at a time, each object with what it is made of.
+pub fn judge_stage(
+    stage: &Stage,
+    time: f32,
+    eye: Vec3,
     settings: &Settings,
     watch: &Watch,
 ) -> ylm_prt::Result<Found> {
+    let surface = stage.surface(time);
     let bvh = Bvh::build(&surface.positions, &surface.triangles);
-    let all: Vec<u32> = (0..surface.positions.len() as u32).collect();
+    let (light, occlusion) = (&stage.light, Occlusion::By(&bvh));
     let goes_on = |done: usize| watch.goes_on(done);
-    let found = irradiance(surface, &all, Occlusion::By(&bvh), light, settings, &goes_on)?;
-    Ok(of_diffuse(surface, &found, 1.0))
+    let (mut radiance, mut errors) = (Vec::new(), Vec::new());
+    for ((actor, range), pose) in stage.ranges().zip(stage.poses(time)) {
+        let at: Vec<u32> = range.clone().map(|point| point as u32).collect();
+        let (found, share) = match &actor.material {
+            None => {
+                let found = irradiance(&surface, &at, occlusion, light, settings, &goes_on)?;
+                (found, std::f32::consts::FRAC_1_PI)
+            }
+            Some(material) => {
+                let seen = SeenSurface { brdf: &material.brdf, axis: pose.rotation * Vec3::Y, eye };
+                (reflected(&surface, &at, occlusion, light, &seen, settings, &goes_on)?, 1.0)
+            }
+        };
+        for (point, (value, error)) in range.zip(found.values.iter().zip(&found.standard_errors)) {
+            let albedo = share * Vec3::from(surface.albedo[point]);
+            let emission = surface.emission.as_ref().map_or(Vec3::ZERO, |emission| emission[point].into());
+            radiance.push(albedo * *value + emission);
+            errors.push(albedo * *error);
+        }
+    }
+    Ok((radiance, errors))
 }

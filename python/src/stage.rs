@@ -12,15 +12,16 @@ use ylm_prt::reference::Settings;
 use ylm_prt::render::render;
 use ylm_prt::scene::{Bvh, UpAxis};
 use ylm_prt::shade::{FieldProduct, FieldShading};
-use ylm_prt::stage::{Actor, GroundDescription, Key, Motion, Spin, Stage as StageOf, ground};
+use ylm_prt::stage::{Actor, GroundDescription, Key, Material, Motion, Spin, Stage as StageOf, ground};
 
 use crate::arrays::{array_of, bands};
 use crate::baked::Baked;
+use crate::brdf::Brdf;
 use crate::error::raise;
 use crate::field::{Field, positions_of};
 use crate::light::{Light, pixels_of};
 use crate::picture::{Background, camera, of_points, raster};
-use crate::reference::judge_surface;
+use crate::reference::judge_stage;
 use crate::relight::{WindowName, radiance_of, window};
 use crate::watch::{Watch, on_threads};
 
@@ -36,6 +37,7 @@ pub struct Object<'py> {
     baked: Bound<'py, Baked>,
     field: Option<Bound<'py, Field>>,
     albedo: Option<[f32; 3]>,
+    material: Option<Bound<'py, Brdf>>,
     /// Time, position and quaternion of each key.
     keys: Vec<(f32, [f32; 3], [f32; 4])>,
     /// Axis and period.
@@ -62,7 +64,7 @@ impl Object<'_> {
             visibility: Arc::new(visibility),
             field: self.field.as_ref().map(|field| Arc::clone(&field.get().0)),
             spheres: None,
-            material: None,
+            material: self.material.as_ref().map(material),
             motion: self.motion()?,
         })
     }
@@ -98,8 +100,8 @@ impl Object<'_> {
     }
 }
 
-/// Height, x and z of the middle, side, squares along a side, and albedo of a ground.
-type Ground = (f32, [f32; 2], f32, u32, [f32; 3]);
+/// Height, x and z of the middle, side, squares along a side, albedo and material of a ground.
+type Ground<'py> = (f32, [f32; 2], f32, u32, [f32; 3], Option<Bound<'py, Brdf>>);
 
 /// Radiance [points, 3] of each object, pairs of point and occluder, seconds in products, seconds of all threads.
 type Frame<'py> = (Vec<Bound<'py, PyAny>>, usize, f64, f64);
@@ -117,6 +119,10 @@ type Judged<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 /// How a picture is taken: view, distance, and width, height and rays a pixel.
 type Taken = ([f32; 3], Option<f32>, (usize, usize, usize));
 
+fn material(brdf: &Bound<'_, Brdf>) -> Arc<Material> {
+    Arc::new(Material::new(brdf.get().brdf.clone()))
+}
+
 fn check_time(time: f32) -> PyResult<()> {
     if time.is_finite() {
         return Ok(());
@@ -133,30 +139,22 @@ impl Stage {
         bands: usize,
         light: &Light,
         seconds: f32,
-        ground: Option<Ground>,
+        ground: Option<Ground<'_>>,
     ) -> PyResult<Self> {
         let bands = self::bands(bands)?;
         let mut actors = objects.iter().map(Object::actor).collect::<PyResult<Vec<_>>>()?;
-        if let Some((height, center, size, cells, albedo)) = ground {
+        if let Some((height, center, size, cells, albedo, made_of)) = ground {
             let description =
                 GroundDescription { height, center, cells, albedo, ..GroundDescription::of_size(size) };
-            actors.push(py.detach(|| self::ground(&description, bands)).map_err(raise)?);
+            let actor = py.detach(|| self::ground(&description, bands)).map_err(raise)?;
+            actors.push(Actor { material: made_of.as_ref().map(material), ..actor });
         }
         Ok(Self(StageOf { bands, light: light.0.clone(), seconds, actors }))
     }
 
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let stage = py.detach(|| open_stage(&path)).map_err(raise)?;
-        // Radiance is asked for without an eye here.
-        match stage.actors.iter().find(|actor| actor.material.is_some()) {
-            None => Ok(Self(stage)),
-            Some(actor) => Err(PyValueError::new_err(format!(
-                "{}: {} has a \"material\", which only `ylm render` shades",
-                path.display(),
-                actor.name
-            ))),
-        }
+        Ok(Self(py.detach(|| open_stage(&path)).map_err(raise)?))
     }
 
     #[getter]
@@ -229,15 +227,17 @@ impl Stage {
         ))
     }
 
-    /// Radiance of each object at a time.
+    /// Radiance of each object at a time, towards an eye where there are materials.
     fn shade<'py>(
         &self,
         py: Python<'py>,
         time: f32,
         product: &str,
         product_window: Option<WindowName>,
+        eye: Option<[f32; 3]>,
     ) -> PyResult<Frame<'py>> {
         check_time(time)?;
+        let eye = self.needed_eye(eye)?;
         let product = match product {
             "exact" => FieldProduct::Exact,
             "chain" => FieldProduct::Chain,
@@ -249,7 +249,8 @@ impl Stage {
                 )));
             }
         };
-        let shading = FieldShading { product, window: window(product_window)?, ..FieldShading::default() };
+        let shading =
+            FieldShading { product, window: window(product_window)?, eye, ..FieldShading::default() };
         let frame = py.detach(|| self.0.shade(time, &shading)).map_err(raise)?;
         let radiance = frame.radiance.iter().map(|radiance| radiance_of(py, radiance));
         let radiance = radiance.collect::<PyResult<_>>()?;
@@ -262,14 +263,16 @@ impl Stage {
         py: Python<'py>,
         time: f32,
         effort: (u32, u64, Option<usize>),
+        eye: Option<[f32; 3]>,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Judged<'py>> {
         check_time(time)?;
+        let eye = self.needed_eye(eye)?;
         let (rays, seed, threads) = effort;
         let settings = Settings { rays, seed, ..Settings::default() };
         let watch = Watch::new("reference", self.0.point_count());
         let (radiance, errors) = watch.over(py, progress, || {
-            on_threads(threads, || judge_surface(&self.0.surface(time), &self.0.light, &settings, &watch))
+            on_threads(threads, || judge_stage(&self.0, time, eye, &settings, &watch))
         })?;
         Ok((radiance_of(py, &radiance)?, radiance_of(py, &errors)?))
     }
@@ -303,6 +306,20 @@ impl Stage {
             render(&surface, &bvh, &radiance, &camera, &raster, &behind)
         });
         pixels_of(py, image.map_err(raise)?)
+    }
+}
+
+impl Stage {
+    /// The eye, which is needed where an object has a material.
+    fn needed_eye(&self, eye: Option<[f32; 3]>) -> PyResult<Vec3> {
+        let made_of = self.0.actors.iter().find(|actor| actor.material.is_some());
+        match (eye, made_of) {
+            (None, Some(actor)) => Err(PyValueError::new_err(format!(
+                "{} has a material, which looks different from everywhere; give an eye",
+                actor.name
+            ))),
+            (eye, _) => Ok(eye.map_or(Vec3::ZERO, Vec3::from)),
+        }
     }
 }
 

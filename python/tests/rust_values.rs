@@ -5,10 +5,12 @@
 
 use std::io::Write;
 
+use ylm::product::axial::AxialProduct;
+use ylm::product::turned::TurnedProduct;
 use ylm::product::{Method, product};
-use ylm::rotate::Turn;
+use ylm::rotate::{FrameRotation, Turn};
 use ylm::zonal::Zonal;
-use ylm::{Bands, Real};
+use ylm::{Bands, Real, Workspace};
 
 const ROWS: usize = 37;
 const BANDS: usize = 6;
@@ -63,6 +65,16 @@ fn results<T: Real + Bytes>(out: &mut Vec<u8>) -> ylm::Result<()> {
     let mut projected = vec![T::ZERO; width];
     ylm::project::project_values(list, &f[..ROWS], bands, &mut projected)?;
     write(&projected);
+    let cosine = AxialProduct::<T>::clamped_cosine(bands)?;
+    cosine.in_frame(&f, &mut both)?;
+    write(&both);
+    cosine.in_world(&f, list, &mut both)?;
+    write(&both);
+    let kernel = Zonal::<f64>::henyey_greenstein(0.5, bands)?;
+    TurnedProduct::<T>::new(bands, &kernel)?.product(&f, list, &mut both, &mut Workspace::new())?;
+    write(&both);
+    FrameRotation::<T>::new(bands).undo(&f, list, &mut both)?;
+    write(&both);
     Ok(())
 }
 

@@ -45,4 +45,10 @@ def test_results_are_rusts_bits(rust_values):
         assert np.array_equal(ylm.convolve(f, kernel), take(ROWS, BANDS**2))
         values = f.reshape(-1)[:ROWS]
         assert np.array_equal(ylm.project_values(values, directions, BANDS), take(BANDS**2))
+        cosine = ylm.AxialProduct.clamped_cosine(BANDS)
+        assert np.array_equal(cosine.in_frame(f), take(ROWS, BANDS**2))
+        assert np.array_equal(cosine.in_world(f, directions), take(ROWS, BANDS**2))
+        turned = ylm.TurnedProduct(ylm.zonal.henyey_greenstein(0.5, BANDS), BANDS)
+        assert np.array_equal(turned.product(f, directions), take(ROWS, BANDS**2))
+        assert np.array_equal(ylm.rotate_into_frames(f, directions), take(ROWS, BANDS**2))
     assert at == len(rust_values)

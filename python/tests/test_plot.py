@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import io
 import warnings
 
 import numpy as np
@@ -74,3 +76,20 @@ def test_scenes_show_themselves_in_notebooks(room):
         page = room._repr_html_()
     assert page.count("<tr>") == len(room._facts()) and "data:image/png;base64," in page
     assert "unshadowed, 4 bands" in repr(room)
+
+
+def picture_of(page: str) -> np.ndarray:
+    """The thumbnail of a page."""
+    png = base64.b64decode(page.split("base64,", 1)[1].split('"', 1)[0])
+    return pyplot.imread(io.BytesIO(png), format="png")[..., :3]
+
+
+def test_lights_and_stages_show_themselves_in_notebooks():
+    page = ylm.Light("disc?dir=0,1,0&angle=20")._repr_html_()
+    picture = picture_of(page)
+    assert picture.shape == (90, 180, 3) and (picture[2] == 1).all() and (picture[40:] == 0).all()
+    assert "far away" in page and "disc?dir=0,1,0&amp;angle=20" in page
+    plate = ylm.Mesh([[-1, 0, 1], [1, 0, 1], [1, 0, -1], [-1, 0, -1]], [[0, 1, 2], [0, 2, 3]])
+    baked = ylm.bake(plate, bands=2, rays=16, visibility=True)
+    page = ylm.Stage([ylm.Actor(baked, name="a <plate>")], "sky:overcast")._repr_html_()
+    assert "a &lt;plate&gt;" in page and picture_of(page).shape == (180, 240, 3)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import math
 import os
 from collections.abc import Callable
@@ -14,6 +13,7 @@ from numpy.typing import ArrayLike
 from ylm import _native
 from ylm._arrays import Array, whole
 from ylm._light import Light
+from ylm._notebook import shown
 from ylm._relight import Relighting
 
 Path = str | os.PathLike[str]
@@ -241,19 +241,5 @@ class Baked(Relighting):
 
     def _repr_html_(self) -> str:
         """For notebooks: the facts, and a picture under an overcast sky."""
-        import base64
-        import tempfile
-
         picture = self.render(np.clip(self.shade("sky:overcast"), 0, None), (240, 180), samples=4, background=(1, 1, 1))
-        with tempfile.TemporaryDirectory() as folder:
-            path = os.path.join(folder, "thumbnail.png")
-            _native.save_image(path, picture, 0.0, "none")
-            with open(path, "rb") as file:
-                png = base64.b64encode(file.read()).decode()
-        rows = "".join(f"<tr><th>{name}</th><td>{html.escape(text)}</td></tr>" for name, text in self._facts())
-        return (
-            f'<div style="display:flex;gap:1em"><img src="data:image/png;base64,{png}" alt="under an overcast sky">'
-            f"<table>{rows}</table></div>"
-        )
-
-
+        return shown(picture, "under an overcast sky", self._facts())

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ylm import _native
 from ylm._arrays import Array, counted
+from ylm._notebook import shown
 from ylm._rotate import Turn
 
 Path = str | os.PathLike[str]
@@ -118,6 +119,20 @@ class Light:
 
     def __repr__(self) -> str:
         return f"<ylm.Light {self._words}>"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the whole sphere as a lat-long picture with +y at the top, its brightest hundredth white."""
+        directions, solid_angles = _native.image_texels(90, 180, "latlong")
+        radiance = self.radiance(directions)
+        white = max(float(np.percentile(radiance, 99)), 1e-30)
+        mean = (radiance * solid_angles[..., None]).sum(axis=(0, 1)) / (4 * np.pi)
+        facts = [
+            ("light", self._words),
+            ("mean radiance", ", ".join(f"{channel:.3g}" for channel in mean.tolist())),
+            ("largest", f"{float(radiance.max()):.3g}"),
+            ("stands", "somewhere; seen from the origin" if self.is_local else "far away"),
+        ]
+        return shown(np.clip(radiance / white, 0, 1), "the whole sphere", facts)
 
 
 def light(spec: Path | Light, bands: int, repair: bool = False) -> Array:

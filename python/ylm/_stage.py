@@ -14,9 +14,11 @@ from ylm import _native
 from ylm._arrays import Array, counted, triple, whole
 from ylm._bake import bake
 from ylm._baked import Baked
+from ylm._brdf import Brdf
 from ylm._field import Field, bake_field
 from ylm._light import Light
 from ylm._mesh import Mesh
+from ylm._notebook import shown
 from ylm._relight import Judged, Progress, Window, native_light
 from ylm._rotate import Turn
 
@@ -52,8 +54,10 @@ class Actor(NamedTuple):
     motion: Sequence[tuple[float, ArrayLike, Any]] = ()
     #: An axis of its own and the seconds of a turn about it, besides all that.
     spin: tuple[ArrayLike, float] | None = None
-    #: Instead of its own, linear RGB, shape (3,).
+    #: Instead of its own, linear RGB, shape (3,); times the material if there is one.
     albedo: ArrayLike | None = None
+    #: How it reflects, a `Brdf` or its words; None if it is diffuse.
+    material: Brdf | str | None = None
     #: What messages call it.
     name: str = ""
 
@@ -80,8 +84,10 @@ class Ground(NamedTuple):
     center: tuple[float, float] = (0.0, 0.0)
     #: Squares along a side.
     cells: int = 100
-    #: Linear RGB.
+    #: Linear RGB; times the material if there is one.
     albedo: ArrayLike = (0.8, 0.8, 0.8)
+    #: As of an `Actor`.
+    material: Brdf | str | None = None
 
 
 class FieldFrame(NamedTuple):
@@ -221,7 +227,15 @@ class Stage:
         """All objects as one surface in the world at a time, in their order: positions, normals, albedo, emission, triangles."""
         return Surface(*self._stage.surface(time))
 
-    def shade(self, time: float, product: str = "exact", *, window: Window | None = None, spheres: int = 32) -> FieldFrame:
+    def shade(
+        self,
+        time: float,
+        product: str = "exact",
+        *,
+        eye: ArrayLike | None = None,
+        window: Window | None = None,
+        spheres: int = 32,
+    ) -> FieldFrame:
         """The radiance that leaves each point at a time.
 
         Parameters
@@ -232,6 +246,8 @@ class Stage:
             How visibilities are multiplied: exact (all at once, exact to n bands), chain (one after the other, the nearest
             first), sparse-chain (the same by the sparse tensor, to compare with), or exponential (of a sum of logarithms of
             balls).
+        eye : array_like, shape (3,), optional
+            Where the radiance goes, needed where there are materials; `eye` gives that of a picture.
         window : (str, float), optional
             Damps each point's visibility after the products, as `ylm.window` does.
         spheres : int
@@ -248,7 +264,7 @@ class Stage:
         stage = self._stage
         if product == "exponential":
             stage = stage.with_spheres(counted("spheres", spheres, 1))
-        by_object, pair_count, product_seconds, thread_seconds = stage.shade(time, product, window)
+        by_object, pair_count, product_seconds, thread_seconds = stage.shade(time, product, window, None if eye is None else triple("eye", eye))
         return FieldFrame(np.concatenate(by_object), by_object, pair_count, product_seconds, thread_seconds)
 
     def reference(
@@ -256,13 +272,31 @@ class Stage:
         time: float,
         rays: int = 1024,
         *,
+        eye: ArrayLike | None = None,
         seed: int = 0,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> Judged:
         """The same by brute force, ray by ray from the light itself; arguments and result as those of `Baked.reference`."""
         effort = (whole("rays", rays, 2**32), whole("seed", seed, 2**64), threads)
-        return Judged(*self._stage.reference(time, effort, progress))
+        towards = None if eye is None else triple("eye", eye)
+        return Judged(*self._stage.reference(time, effort, towards, progress))
+
+    def eye(
+        self,
+        azimuth: float = math.radians(30),
+        elevation: float = math.radians(18),
+        distance: float | None = None,
+        field_of_view: float = math.radians(35),
+        aspect: float = 4 / 3,
+    ) -> Array:
+        """Where the camera of `render` stands, shape (3,)."""
+        return np.array(self._stage.eye(self._seen_at(), (azimuth, elevation, field_of_view), distance, aspect))
+
+    def _seen_at(self) -> list[float]:
+        """Times at which the camera sees all objects."""
+        times: list[float] = self.times(16).tolist()
+        return times
 
     def render(
         self,
@@ -298,11 +332,22 @@ class Stage:
         behind: Any = background._light if isinstance(background, Light) else list(triple("background", background))
         width, height = size
         taken = ((azimuth, elevation, field_of_view), distance, (width, height, samples))
-        return self._stage.render(radiance, time, self.times(16).tolist(), taken, behind)
+        return self._stage.render(radiance, time, self._seen_at(), taken, behind)
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the objects at the beginning, and what they are."""
+        radiance = np.clip(self.shade(0.0, eye=self.eye()).radiance, 0, None)
+        picture = self.render(radiance, 0.0, _THUMBNAIL, samples=4, background=(1, 1, 1))
+        points = self._stage.point_counts
+        facts = [(name, f"{count} points") for name, count in zip(self.names, points)]
+        return shown(picture / max(float(np.percentile(radiance, 99)), 1e-30), "at the beginning", [("bands", str(self.bands)), *facts])
 
     def __repr__(self) -> str:
         points = sum(self._stage.point_counts)
         return f"<ylm.Stage of {', '.join(self.names)}: {points} points, {self.bands} bands, {self.seconds:g} s>"
+
+
+_THUMBNAIL = (240, 180)
 
 
 def _native_object(actor: Actor, index: int, bands: int) -> dict[str, Any]:
@@ -320,6 +365,7 @@ def _native_object(actor: Actor, index: int, bands: int) -> dict[str, Any]:
         "baked": actor.baked._baked,
         "field": actor.field._field if actor.field else None,
         "albedo": None if actor.albedo is None else triple("albedo", actor.albedo),
+        "material": _native_material(actor.material),
         "keys": keys,
         "spin": None if actor.spin is None else (triple("an axis", actor.spin[0]), float(actor.spin[1])),
         "scale": actor.scale,
@@ -332,7 +378,13 @@ def _native_ground(ground: Ground | None) -> Any:
     if not (ground.size > 0 and math.isfinite(ground.size)):
         raise ValueError(f"the size of the ground is {ground.size}; it must be positive")
     cells = counted("cells of the ground", ground.cells, 1)
-    return (ground.height, tuple(ground.center), ground.size, cells, triple("albedo", ground.albedo))
+    return (ground.height, tuple(ground.center), ground.size, cells, triple("albedo", ground.albedo), _native_material(ground.material))
+
+
+def _native_material(material: Brdf | str | None) -> _native.Brdf | None:
+    if material is None:
+        return None
+    return (material if isinstance(material, Brdf) else Brdf(material))._brdf
 
 
 def load_stage(path: Path, *, bake_missing: bool = False, progress: Callable[[str, int, int], bool | None] | None = None) -> Stage:
@@ -350,8 +402,6 @@ def load_stage(path: Path, *, bake_missing: bool = False, progress: Callable[[st
     ------
     OSError
         If a file cannot be read, or breaks its format's rules (`FileError`): another number of bands, no visibility.
-    ValueError
-        If an object has a material: the stage is of diffuse objects.
 
     Notes
     -----
