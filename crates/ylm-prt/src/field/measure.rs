@@ -3,8 +3,9 @@
 use glam::{Quat, Vec3};
 
 use super::bake::Baker;
+use super::blend::Blend;
 use super::geodesic::spiral;
-use super::shell::{Blend, PlaneOrder, sees_nothing};
+use super::shell::{PlaneOrder, Terms, sees_nothing};
 use super::{FieldScratch, OcclusionField, Shell, WHITE};
 use crate::error::Result;
 
@@ -37,7 +38,9 @@ impl Difference {
                 continue;
             }
             planes.fill(0.0);
-            let weight = shell.add(*direction, 1.0, &mut planes, &mut blend);
+            let mut terms = Terms::new();
+            let weight = shell.terms(*direction, 1.0, &mut terms);
+            blend.add(shell.bands().count(), terms.as_slice(), &mut planes);
             if weight > 0.0 {
                 order.to_bands(&planes, 1.0 / weight, &mut between);
                 difference.add(&between, seen);

@@ -13,6 +13,7 @@
 //! Turning the object, and turning the frame to the world, are one rotation.
 
 mod bake;
+mod blend;
 mod geodesic;
 mod measure;
 mod shell;
@@ -29,7 +30,8 @@ use ylm::Bands;
 
 use crate::error::{Error, Result};
 use crate::transfer::world_from_local;
-use shell::{Blend, PlaneOrder};
+use blend::Blend;
+use shell::{PlaneOrder, Terms};
 
 /// What an object blocks, as a function of the place from which it is seen.
 #[derive(Clone, Debug)]
@@ -185,16 +187,17 @@ impl OcclusionField {
         let FieldScratch { planes, blend } = scratch;
         planes.clear();
         planes.resize(self.bands.coeff_count(), 0.0);
-        let mut weight = 0.0;
+        let (mut weight, mut terms) = (0.0, Terms::new());
         match (above.checked_sub(1).map(|below| &self.shells[below]), self.shells.get(above)) {
-            (None, Some(first)) => weight += first.add(direction, 1.0, planes, blend),
+            (None, Some(first)) => weight += first.terms(direction, 1.0, &mut terms),
             (Some(low), high) => {
                 let outer = share(low.radius, high.map_or(self.reach, |shell| shell.radius));
-                weight += low.add(direction, 1.0 - outer, planes, blend);
-                weight += high.map_or(outer, |high| high.add(direction, outer, planes, blend));
+                weight += low.terms(direction, 1.0 - outer, &mut terms);
+                weight += high.map_or(outer, |high| high.terms(direction, outer, &mut terms));
             }
             (None, None) => {}
         }
+        blend.add(self.bands.count(), terms.as_slice(), planes);
         if weight > LEAST_WEIGHT {
             self.order.to_bands(planes, 1.0 / weight, blocked);
         } else {

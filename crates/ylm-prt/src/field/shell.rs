@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use ylm::Bands;
 
+use super::blend::Term;
 use super::{Geodesic, WHITE, radial_frame};
 
 /// Samples at one distance from the object's centre.
@@ -60,8 +61,9 @@ impl Shell {
         blocked
     }
 
-    /// Adds the function seen along a direction, in its frame, times `weight`; returns the part of the weight whose samples count.
-    pub(super) fn add(&self, direction: Vec3, weight: f32, planes: &mut [f32], blend: &mut Blend) -> f32 {
+    /// Adds the functions that make up the one seen along a direction, in its frame, times `weight`; returns the part of the weight whose
+    /// samples count.
+    pub(super) fn terms<'a>(&'a self, direction: Vec3, weight: f32, terms: &mut Terms<'a>) -> f32 {
         let axes = radial_frame(direction);
         let width = self.bands.coeff_count();
         let mut counted = 0.0;
@@ -75,9 +77,30 @@ impl Shell {
             let (own, x) = (self.grid.directions()[sample], self.tangents[sample]);
             let carried = x - (x.dot(direction) / (1.0 + own.dot(direction))) * (own + direction);
             let spin = [carried.dot(axes.x_axis), carried.dot(axes.y_axis)];
-            blend.add(self.bands.count(), weight, spin, &self.planes[sample * width..][..width], planes);
+            terms.push((weight, spin, &self.planes[sample * width..][..width]));
         }
         counted
+    }
+}
+
+/// Terms of two shells at most, three of each.
+pub(super) struct Terms<'a> {
+    list: [Term<'a>; 6],
+    count: usize,
+}
+
+impl<'a> Terms<'a> {
+    pub fn new() -> Self {
+        Self { list: [(0.0, [0.0; 2], &[]); 6], count: 0 }
+    }
+
+    pub fn as_slice(&self) -> &[Term<'a>] {
+        &self.list[..self.count]
+    }
+
+    fn push(&mut self, term: Term<'a>) {
+        self.list[self.count] = term;
+        self.count += 1;
     }
 }
 
@@ -113,64 +136,6 @@ impl PlaneOrder {
     pub fn to_bands(&self, planes: &[f32], factor: f32, coeffs: &mut [f32]) {
         for (plane, &index) in planes.iter().zip(&self.by_bands) {
             coeffs[index as usize] = factor * plane;
-        }
-    }
-}
-
-/// Adds functions that are spun about z.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Blend {
-    /// Weight times cos mψ and sin mψ, at each place of the cosines.
-    cos: Vec<f32>,
-    sin: Vec<f32>,
-}
-
-impl Blend {
-    /// Adds `weight` times a function spun by ψ, of [cos ψ, sin ψ] up to a positive factor; without a direction, by 0.
-    fn add(&mut self, n: usize, weight: f32, spin: [f32; 2], function: &[f32], sum: &mut [f32]) {
-        let half = n * (n - 1) / 2;
-        let length = spin[0].hypot(spin[1]);
-        let [cos, sin] = if length > 0.0 { spin.map(|x| x / length) } else { [1.0, 0.0] };
-        self.cos.clear();
-        self.sin.clear();
-        let (mut c, mut s) = (weight, 0.0);
-        for m in 1..n {
-            (c, s) = (c * cos - s * sin, s * cos + c * sin);
-            self.cos.resize(self.cos.len() + n - m, c);
-            self.sin.resize(self.sin.len() + n - m, s);
-        }
-        let (zonal, rest) = sum.split_at_mut(n);
-        let (sum_cos, sum_sin) = rest.split_at_mut(half);
-        let (own_cos, own_sin) = function[n..].split_at(half);
-        zonal.iter_mut().zip(function).for_each(|(sum, value)| *sum += weight * value);
-        let (cos, sin) = (&self.cos[..half], &self.sin[..half]);
-        let (sum_cos, sum_sin) = (&mut sum_cos[..half], &mut sum_sin[..half]);
-        let (own_cos, own_sin) = (&own_cos[..half], &own_sin[..half]);
-        for i in 0..half {
-            sum_cos[i] += cos[i] * own_cos[i] - sin[i] * own_sin[i];
-            sum_sin[i] += sin[i] * own_cos[i] + cos[i] * own_sin[i];
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_function_is_spun_as_rotations_about_z_have_it() {
-        let bands = Bands::new(6).unwrap();
-        let coeffs: Vec<f32> = (0..36).map(|i| ((i * 29 % 17) as f32) - 8.0).collect();
-        let order = PlaneOrder::new(bands);
-        let (mut planes, mut sum, mut spun) = (vec![0.0; 36], vec![0.0; 36], vec![0.0; 36]);
-        order.to_planes(&coeffs, &mut planes);
-        let (sin, cos) = 0.7f32.sin_cos();
-        Blend::default().add(6, 2.0, [3.0 * cos, 3.0 * sin], &planes, &mut sum);
-        order.to_bands(&sum, 0.5, &mut spun);
-        let mut expected = coeffs.clone();
-        ylm::rotate::rotate_z(0.7, bands, &mut expected).unwrap();
-        for (spun, expected) in spun.iter().zip(expected) {
-            assert!((spun - expected).abs() <= 1e-5, "{spun} {expected}");
         }
     }
 }

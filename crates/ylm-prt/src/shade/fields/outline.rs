@@ -18,12 +18,17 @@ use crate::scene::Pose;
 pub struct Margin {
     angle: f32,
     sine: f32,
+    /// Of twice the angle.
+    cosine_of_both: f32,
 }
 
 impl Margin {
     pub fn of(bands: Bands) -> Self {
-        let angle = (0.5 * PI / bands.count() as f32).min(FRAC_PI_2);
-        Self { angle, sine: angle.sin() }
+        Self::of_angle((0.5 * PI / bands.count() as f32).min(FRAC_PI_2))
+    }
+
+    fn of_angle(angle: f32) -> Self {
+        Self { angle, sine: angle.sin(), cosine_of_both: (2.0 * angle).cos() }
     }
 }
 
@@ -56,13 +61,12 @@ impl Extent {
         let towards = self.center - place;
         let distance = towards.length();
         let is_outside = distance > self.radius;
-        let corners = self.corners.map(|corner| corner - place);
+        let corners = self.corners.map(|corner| (corner - place).normalize_or_zero());
         Outline {
             direction: if is_outside { towards / distance } else { Vec3::ZERO },
             half_angle: if is_outside { (self.radius / distance).asin() } else { PI },
             axes: self.axes,
             corners: [0, 1, 2].map(|axis| corners.map(|corner| corner[axis])),
-            lengths: corners.map(Vec3::length),
         }
     }
 }
@@ -73,9 +77,8 @@ pub struct Outline {
     direction: Vec3,
     half_angle: f32,
     axes: [Vec3; 3],
-    /// Of the box, from the place: [axis, corner].
+    /// Unit vectors to those of the box: [axis, corner].
     corners: [[f32; 8]; 3],
-    lengths: [f32; 8],
 }
 
 impl Outline {
@@ -91,6 +94,10 @@ impl Outline {
         let needed = self.half_angle + other.half_angle + 2.0 * margin.angle;
         if needed < PI && self.direction.dot(other.direction) <= needed.cos() {
             return true;
+        }
+        // The middles lie within, and are clear of the plane as well.
+        if self.direction.dot(other.direction) > margin.cosine_of_both {
+            return false;
         }
         let parts = |normal: Vec3| {
             let Some(normal) = normal.try_normalize() else { return false };
@@ -108,12 +115,11 @@ impl Outline {
     /// are a convex cone.
     fn sine_above(&self, normal: Vec3) -> f32 {
         let [x, y, z] = &self.corners;
-        let mut least = f32::INFINITY;
+        let mut sines = [0.0f32; 8];
         for k in 0..8 {
-            let height = x[k] * normal.x + y[k] * normal.y + z[k] * normal.z;
-            least = least.min(height / self.lengths[k].max(f32::MIN_POSITIVE));
+            sines[k] = x[k] * normal.x + y[k] * normal.y + z[k] * normal.z;
         }
-        least
+        sines.into_iter().fold(f32::INFINITY, f32::min)
     }
 }
 
@@ -147,7 +153,7 @@ mod tests {
 
     #[test]
     fn what_is_apart_has_no_directions_within_the_margins_in_common() {
-        let margin = Margin { angle: 0.1, sine: 0.1f32.sin() };
+        let margin = Margin::of_angle(0.1);
         let (mut apart, mut below) = (0, 0);
         for i in 0..4000 {
             let number =
@@ -175,7 +181,7 @@ mod tests {
 
     #[test]
     fn balls_are_parted_by_their_cones_and_columns_by_upright_planes() {
-        let margin = Margin { angle: 0.1, sine: 0.1f32.sin() };
+        let margin = Margin::of_angle(0.1);
         let seen = |center: Vec3, half: Vec3| extent(center, half, Quat::IDENTITY).seen_from(Vec3::ZERO);
         let column = Vec3::new(0.2, 1.5, 0.2);
         // Columns side by side, whose spheres overlap; and one behind the other.
