@@ -90,8 +90,11 @@ fn metadata(field: &OcclusionField) -> Value {
     })
 }
 
-/// A field of bytes in memory.
-fn parse_field(bytes: &[u8]) -> std::result::Result<OcclusionField, BakedFault> {
+/// [`read_field`] for the bytes of a file in memory.
+///
+/// # Errors
+/// The first thing in which the bytes do not fit docs/format.md.
+pub fn parse_field(bytes: &[u8]) -> std::result::Result<OcclusionField, BakedFault> {
     let (tensors, entry) = parse_tensors(bytes)?;
     let Header { bands, center, radius, bounds, reach, record } = parse_metadata(&entry)?;
     let width = bands.coeff_count();

@@ -11,6 +11,6 @@ mod stage;
 pub use baked::{FORMAT_VERSION, parse_baked, read_baked, write_baked};
 pub use checkpoint::{Checkpoint, Existing, checkpoint_path};
 pub use fault::BakedFault;
-pub use field::{read_field, read_kind, write_field};
+pub use field::{parse_field, read_field, read_kind, write_field};
 pub use light::{write_light, write_light_description};
-pub use stage::{SceneFault, is_stage, open_stage, read_actor, read_stage};
+pub use stage::{SceneFault, is_stage, open_stage, parse_stage, read_actor, read_stage};

@@ -44,9 +44,16 @@ pub fn read_stage(path: &Path) -> Result<StageDescription> {
         return Err(fault(SceneFault::Long(MAX_BYTES)));
     }
     let bytes = std::fs::read(path).map_err(io)?;
-    let value: Value =
-        serde_json::from_slice(&bytes).map_err(|error| fault(SceneFault::Json(error.to_string())))?;
-    parse(&value, path.parent().unwrap_or(Path::new(""))).map_err(fault)
+    parse_stage(&bytes, path.parent().unwrap_or(Path::new(""))).map_err(fault)
+}
+
+/// [`read_stage`] for the bytes of a file that would stand in a folder.
+///
+/// # Errors
+/// The first thing in which the bytes are not as docs/format.md says.
+pub fn parse_stage(bytes: &[u8], folder: &Path) -> std::result::Result<StageDescription, SceneFault> {
+    let value = serde_json::from_slice(bytes).map_err(|error| SceneFault::Json(error.to_string()))?;
+    parse(&value, folder)
 }
 
 /// Whether a file looks like a scene rather than a light: a JSON object with objects.
