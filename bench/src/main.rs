@@ -31,6 +31,7 @@ mod timing;
 mod xin_fig3;
 mod xin_fig4;
 mod xin_fig5;
+mod xin_overlap;
 mod xin_table1;
 mod xin_table2;
 
@@ -76,6 +77,7 @@ const BENCHES: &[Bench] = &[
     ("xin-fig3", xin_fig3::run),
     ("xin-fig4", xin_fig4::run),
     ("xin-table1", xin_table1::run),
+    ("xin-overlap", xin_overlap::run),
     ("xin-table2", xin_table2::run),
     ("xin-fig5", xin_fig5::run),
 ];
