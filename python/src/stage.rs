@@ -11,7 +11,7 @@ use ylm_prt::format::{open_stage, read_stage as read_one};
 use ylm_prt::reference::Settings;
 use ylm_prt::render::render;
 use ylm_prt::scene::{Bvh, UpAxis};
-use ylm_prt::shade::{FieldProduct, FieldShading};
+use ylm_prt::shade::{Apart, FieldProduct, FieldShading};
 use ylm_prt::stage::{Actor, GroundDescription, Key, Material, Motion, Spin, Stage as StageOf, ground};
 
 use crate::arrays::{array_of, bands};
@@ -233,6 +233,7 @@ impl Stage {
         py: Python<'py>,
         time: f32,
         product: &str,
+        apart: &str,
         product_window: Option<WindowName>,
         eye: Option<[f32; 3]>,
     ) -> PyResult<Frame<'py>> {
@@ -249,8 +250,15 @@ impl Stage {
                 )));
             }
         };
-        let shading =
-            FieldShading { product, window: window(product_window)?, eye, ..FieldShading::default() };
+        let apart = match apart {
+            "added" => Apart::Added,
+            "multiplied" => Apart::Multiplied,
+            _ => {
+                let message = format!("apart is \"{apart}\"; expected added or multiplied");
+                return Err(PyValueError::new_err(message));
+            }
+        };
+        let shading = FieldShading { product, apart, window: window(product_window)?, eye };
         let frame = py.detach(|| self.0.shade(time, &shading)).map_err(raise)?;
         let radiance = frame.radiance.iter().map(|radiance| radiance_of(py, radiance));
         let radiance = radiance.collect::<PyResult<_>>()?;

@@ -307,6 +307,8 @@ def test_stages_made_in_code_are_those_of_files_and_near_what_rays_say(flying):
     for product, most in [("chain", 1e-6), ("sparse-chain", 1e-6), ("exponential", 0.1)]:
         other = stage.shade(0.25, product).radiance
         assert np.linalg.norm(other - frame.radiance) <= most * np.linalg.norm(frame.radiance)
+    multiplied = stage.shade(0.25, apart="multiplied").radiance
+    assert 0 < np.linalg.norm(multiplied - frame.radiance) <= 0.05 * np.linalg.norm(frame.radiance)
     surface = stage.surface(0.25)
     assert np.allclose(surface.positions[: len(baked.positions)], turned.apply(baked.positions) + [0, 0.8, 0], atol=1e-5)
     assert stage.lit_by("white").shade(0.25).radiance.max() <= 1.3
@@ -407,6 +409,7 @@ def test_faults_of_shading_name_what_is_wrong(room, flying, tmp_path):
         (lambda: ylm.Stage([ylm.Actor(baked)], SKY).shade(np.inf), "time is inf"),
         (lambda: ylm.Stage([ylm.Actor(baked, material="ggx:0.4")], SKY).shade(0), "1 has a material.*give an eye"),
         (lambda: ylm.Stage([ylm.Actor(baked, material="mirror")], SKY), 'no BRDF "mirror"'),
+        (lambda: ylm.Stage([ylm.Actor(baked)], SKY).shade(0, apart="left"), 'apart is "left"; expected added or multiplied'),
         (lambda: ylm.Stage([ylm.Actor(baked)], SKY).shade(0, "sum"), 'product is "sum"; expected exact, chain'),
     ]
     for call, message in refused:

@@ -267,7 +267,7 @@ class Stage:
         self, time: float
     ) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any], NDArray[Any] | None, NDArray[Any]]: ...
     def shade(
-        self, time: float, product: str, product_window: _Window | None, eye: _Triple | None
+        self, time: float, product: str, apart: str, product_window: _Window | None, eye: _Triple | None
     ) -> tuple[list[NDArray[Any]], int, float, float]: ...
     def reference(
         self, time: float, effort: tuple[int, int, int | None], eye: _Triple | None, progress: _Progress | None

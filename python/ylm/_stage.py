@@ -232,6 +232,7 @@ class Stage:
         time: float,
         product: str = "exact",
         *,
+        apart: str = "added",
         eye: ArrayLike | None = None,
         window: Window | None = None,
         spheres: int = 32,
@@ -246,6 +247,9 @@ class Stage:
             How visibilities are multiplied: exact (all at once, exact to n bands), chain (one after the other, the nearest
             first), sparse-chain (the same by the sparse tensor, to compare with), or exponential (of a sum of logarithms of
             balls).
+        apart : str
+            What becomes of objects that do not overlap as a point sees them, but for exponential: what they block is added, or
+            they are multiplied as all others.
         eye : array_like, shape (3,), optional
             Where the radiance goes, needed where there are materials; `eye` gives that of a picture.
         window : (str, float), optional
@@ -264,7 +268,7 @@ class Stage:
         stage = self._stage
         if product == "exponential":
             stage = stage.with_spheres(counted("spheres", spheres, 1))
-        by_object, pair_count, product_seconds, thread_seconds = stage.shade(time, product, window, None if eye is None else triple("eye", eye))
+        by_object, pair_count, product_seconds, thread_seconds = stage.shade(time, product, apart, window, None if eye is None else triple("eye", eye))
         return FieldFrame(np.concatenate(by_object), by_object, pair_count, product_seconds, thread_seconds)
 
     def reference(
