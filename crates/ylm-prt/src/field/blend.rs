@@ -44,7 +44,7 @@ fn add_in(n: usize, terms: &[Term<'_>], cos: &mut [f32], sin: &mut [f32], sum: &
     let (zonal, rest) = sum.split_at_mut(n);
     let (sum_cos, sum_sin) = rest.split_at_mut(half);
     for &(weight, spin, function) in terms {
-        let length = spin[0].hypot(spin[1]);
+        let length = (spin[0] * spin[0] + spin[1] * spin[1]).sqrt();
         let [turn_cos, turn_sin] = if length > 0.0 { spin.map(|x| x / length) } else { [1.0, 0.0] };
         let (mut c, mut s) = (weight, 0.0);
         let (mut cosines, mut sines) = (&mut cos[..half], &mut sin[..half]);

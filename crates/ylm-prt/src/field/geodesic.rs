@@ -14,13 +14,14 @@ use crate::scene::icosahedron;
 pub struct Geodesic {
     frequency: usize,
     directions: Vec<Vec3>,
+    /// Of the faces.
+    middles: [Vec3; 20],
     faces: Vec<Face>,
 }
 
 /// A face of the icosahedron.
 #[derive(Clone, Debug)]
 struct Face {
-    middle: Vec3,
     /// Takes a direction to its barycentric coordinates, up to a factor.
     barycentric_from_direction: Mat3,
     /// The directions of its lattice, those with i steps to the first corner and j to the second at `row(i) + j`.
@@ -35,7 +36,9 @@ impl Geodesic {
     pub fn new(frequency: usize) -> Self {
         assert!(frequency > 0, "an edge has at least one piece");
         let (corners, triangles) = icosahedron();
-        let mut grid = Self { frequency, directions: Vec::new(), faces: Vec::new() };
+        let middles = triangles
+            .map(|corner| corner.map(|corner| corners[corner]).into_iter().sum::<Vec3>().normalize());
+        let mut grid = Self { frequency, directions: Vec::new(), middles, faces: Vec::new() };
         let mut known: HashMap<Vec<(usize, usize)>, u32> = HashMap::new();
         for [a, b, c] in triangles {
             let mut lattice = Vec::new();
@@ -56,7 +59,7 @@ impl Geodesic {
             }
             let [a, b, c] = [a, b, c].map(|corner| corners[corner]);
             let barycentric_from_direction = Mat3::from_cols(a, b, c).inverse();
-            grid.faces.push(Face { middle: (a + b + c).normalize(), barycentric_from_direction, lattice });
+            grid.faces.push(Face { barycentric_from_direction, lattice });
         }
         grid
     }
@@ -74,9 +77,14 @@ impl Geodesic {
     /// The corners of the triangle that a unit direction falls in, by its barycentric coordinates there; continuous in the direction.
     pub fn weights(&self, direction: Vec3) -> Weights {
         // The middles' Voronoi cells are the faces, by symmetry.
-        let face = self.faces.iter().fold(&self.faces[0], |best, face| {
-            if face.middle.dot(direction) > best.middle.dot(direction) { face } else { best }
-        });
+        let (mut nearest, mut largest) = (0, f32::NEG_INFINITY);
+        for (index, middle) in self.middles.iter().enumerate() {
+            let cosine = middle.dot(direction);
+            if cosine > largest {
+                (nearest, largest) = (index, cosine);
+            }
+        }
+        let face = &self.faces[nearest];
         let k = self.frequency;
         let shares = (face.barycentric_from_direction * direction).max(Vec3::ZERO);
         let place = shares * (k as f32 / shares.element_sum());

@@ -63,6 +63,7 @@ impl Extent {
         let is_outside = distance > self.radius;
         let corners = self.corners.map(|corner| (corner - place).normalize_or_zero());
         Outline {
+            is_outside,
             direction: if is_outside { towards / distance } else { Vec3::ZERO },
             half_angle: if is_outside { (self.radius / distance).asin() } else { PI },
             axes: self.axes,
@@ -73,6 +74,8 @@ impl Extent {
 
 /// An object as a place sees it.
 pub struct Outline {
+    /// Whether the place is outside of the sphere.
+    is_outside: bool,
     /// Of the sphere's middle; zero from within.
     direction: Vec3,
     half_angle: f32,
@@ -101,14 +104,22 @@ impl Outline {
         }
         let parts = |normal: Vec3| {
             let Some(normal) = normal.try_normalize() else { return false };
-            let normal =
-                if self.direction.dot(normal) < other.direction.dot(normal) { -normal } else { normal };
-            self.sine_above(normal) >= margin.sine && other.sine_above(-normal) >= margin.sine
+            let [own, others] = [self, other].map(|outline| outline.direction.dot(normal));
+            let (normal, own, others) =
+                if own < others { (-normal, -own, -others) } else { (normal, own, others) };
+            // The middles first, which lie within.
+            let (least, most) =
+                if self.is_outside && other.is_outside { (margin.sine, -margin.sine) } else { (-2.0, 2.0) };
+            own >= least
+                && others <= most
+                && self.sine_above(normal) >= margin.sine
+                && other.sine_above(-normal) >= margin.sine
         };
         // The plane midway between the middles, and planes along the edges of either box.
         let between = self.direction + other.direction;
+        let others: &[Vec3] = if self.axes == other.axes { &[] } else { &other.axes };
         parts(self.direction - other.direction)
-            || self.axes.iter().chain(&other.axes).any(|axis| parts(axis.cross(between)))
+            || self.axes.iter().chain(others).any(|axis| parts(axis.cross(between)))
     }
 
     /// The least sine of the corners' angles above a plane: of all directions to the box where it is not negative, as those above an angle
