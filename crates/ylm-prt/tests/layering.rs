@@ -35,6 +35,7 @@ const MAY_DEPEND: &[(&str, &[&str])] = &[
     ("crates/ylm-prt", &["ylm"]),
     ("crates/ylm-plot", &["ylm", "ylm-prt"]),
     ("crates/ylm-shader", &["ylm"]),
+    ("crates/ylm-gpu", &["ylm", "ylm-prt"]),
     ("crates/ylm-cli", &["ylm", "ylm-prt", "ylm-plot", "ylm-shader"]),
     ("crates/ylm-wasm", &["ylm", "ylm-prt"]),
     ("python", &["ylm", "ylm-prt"]),

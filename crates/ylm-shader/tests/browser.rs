@@ -1,55 +1,45 @@
 //! Generated WGSL and GLSL run by a browser, through WebGPU and WebGL 2, where a Chromium is installed: the values are ylm's.
-//!
-//! Without a GPU the browser has SwiftShader, a software adapter. `YLM_CHROMIUM` names the program; else `chromium` is tried.
 
+#[path = "../../../testdata/browser.rs"]
+mod browser;
 mod cases;
 
-use std::env;
-use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{TcpListener, TcpStream};
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
-
+use browser::Buffer;
 use cases::{Case, SAMPLES, cases};
-use serde_json::{Value, json};
+use serde_json::json;
 use ylm_shader::{Language, Op, Precision};
 
 const BANDS: &[usize] = &[1, 3, 4];
-const PAGE: &str = include_str!("browser/run.html");
-/// A browser that has not answered by then will not.
-const PATIENCE: Duration = Duration::from_secs(120);
-
-const FLAGS: &str = "--headless --no-sandbox --disable-quic --no-first-run --disable-background-networking \
-    --disable-component-update --disable-sync --enable-unsafe-webgpu --use-angle=swiftshader --enable-features=Vulkan \
-    --use-vulkan=swiftshader";
 
 #[test]
 fn a_browser_runs_wgsl_and_glsl_to_the_values_of_ylm() {
     let wgsl = cases(Language::Wgsl, Precision::Single, BANDS);
     let glsl = cases(Language::Glsl, Precision::Single, BANDS);
-    let job = |case: &Case, code: String| {
+    let wgsl_job = |case: &Case| {
+        let given: Vec<f32> = case.inputs.iter().flatten().flatten().map(|&number| number as f32).collect();
+        let result = vec![0.0; SAMPLES * case.expected[0].len()];
+        let buffers = [Buffer::numbers(&given), Buffer::numbers(&result)];
+        browser::compute(&wgsl_program(case), &buffers, [SAMPLES as u32, 1, 1])
+    };
+    let glsl_job = |case: &Case| {
         let given: Vec<Vec<f64>> = case.inputs.iter().map(|inputs| inputs.concat()).collect();
-        json!({ "code": code, "given": given, "width": case.expected[0].len(), "channels": case.channel_count() })
+        let (code, width) = (glsl_program(case), case.expected[0].len());
+        json!({ "code": code, "given": given, "width": width, "channels": case.channel_count() })
     };
     let jobs = json!({
-        "wgsl": wgsl.iter().map(|case| job(case, wgsl_program(case))).collect::<Vec<_>>(),
-        "glsl": glsl.iter().map(|case| job(case, glsl_program(case))).collect::<Vec<_>>(),
+        "wgsl": wgsl.iter().map(wgsl_job).collect::<Vec<_>>(),
+        "glsl": glsl.iter().map(glsl_job).collect::<Vec<_>>(),
     });
-    let Some(results) = run(&jobs) else {
-        eprintln!("skipped: there is no Chromium that starts");
-        return;
-    };
+    let Some(results) = browser::run(&jobs) else { return };
     for (language, cases) in [("wgsl", wgsl), ("glsl", glsl)] {
-        let results = &results[language];
-        if let Some(reason) = results.as_str() {
-            assert!(reason.starts_with("no "), "{language} {reason}");
-            eprintln!("{language} skipped: {reason}");
-            continue;
-        }
+        let Some(results) = results[language].as_array() else { continue };
+        assert_eq!(results.len(), cases.len());
         let mut largest = 0.0f64;
-        for (case, values) in cases.iter().zip(results.as_array().unwrap()) {
-            let values: Vec<f64> =
-                values.as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect();
+        for (case, values) in cases.iter().zip(results) {
+            let values: Vec<f64> = match language {
+                "wgsl" => browser::numbers(values).into_iter().map(f64::from).collect(),
+                _ => values.as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect(),
+            };
             let width = case.expected[0].len();
             assert_eq!(values.len(), SAMPLES * width);
             for (sample, values) in values.chunks(width).enumerate() {
@@ -166,83 +156,4 @@ void main() {\n";
     } else {
         "    result = vec4(value);\n}\n"
     }
-}
-
-/// Ends the browser however the test ends.
-struct Browser(Child);
-
-impl Drop for Browser {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-/// What the page posts; none without a browser that starts.
-fn run(jobs: &Value) -> Option<Value> {
-    let program = env::var("YLM_CHROMIUM").unwrap_or_else(|_| "chromium".to_owned());
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let profile = tempfile::tempdir().unwrap();
-    let child = Command::new(program)
-        .args(FLAGS.split_whitespace())
-        .arg(format!("--user-data-dir={}", profile.path().display()))
-        .arg(format!("http://{}/", listener.local_addr().unwrap()))
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn();
-    let mut browser = Browser(child.ok()?);
-    listener.set_nonblocking(true).unwrap();
-    let start = Instant::now();
-    let mut is_asked = false;
-    loop {
-        match listener.accept() {
-            Ok((stream, _)) => {
-                is_asked = true;
-                stream.set_nonblocking(false).unwrap();
-                stream.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
-                if let Some(results) = answer(stream, jobs) {
-                    return Some(results);
-                }
-            }
-            Err(_) => std::thread::sleep(Duration::from_millis(20)),
-        }
-        let is_over = start.elapsed() > PATIENCE || browser.0.try_wait().unwrap().is_some();
-        assert!(!(is_over && is_asked), "the browser took the page and gave no results");
-        if is_over {
-            return None;
-        }
-    }
-}
-
-/// Answers one request; gives what was posted.
-fn answer(mut stream: TcpStream, jobs: &Value) -> Option<Value> {
-    let mut reader = BufReader::new(stream.try_clone().unwrap());
-    let mut lines = Vec::new();
-    loop {
-        let mut line = String::new();
-        if reader.read_line(&mut line).unwrap_or(0) <= 2 {
-            break;
-        }
-        lines.push(line);
-    }
-    let request = lines.first()?;
-    let (status, kind, body) = match request.split(' ').nth(1)? {
-        "/" => ("200 OK", "text/html", PAGE.to_owned()),
-        "/jobs" => ("200 OK", "application/json", jobs.to_string()),
-        "/results" => {
-            let length = lines
-                .iter()
-                .find_map(|line| line.to_lowercase().strip_prefix("content-length:").map(str::to_owned))?;
-            let mut body = vec![0; length.trim().parse().unwrap()];
-            reader.read_exact(&mut body).unwrap();
-            return Some(serde_json::from_slice(&body).unwrap());
-        }
-        _ => ("404 Not Found", "text/plain", String::new()),
-    };
-    let length = body.len();
-    let head = format!(
-        "HTTP/1.1 {status}\r\ncontent-type: {kind}\r\ncontent-length: {length}\r\nconnection: close\r\n\r\n"
-    );
-    let _ = stream.write_all((head + &body).as_bytes());
-    None
 }
