@@ -2,7 +2,7 @@
 //!
 //! This crate drives no GPU. It has the kernels' texts and what they are bound to ([`Kernel`]), what their buffers hold
 //! ([`PackedScene`], [`pack`]), and the twins ([`twin`]), which say what a kernel computes and are tested against
-//! [`ylm_prt::shade`]. The browser's viewer dispatches them through WebGPU.
+//! [`ylm_prt::shade`]. Who has a device dispatches them.
 //!
 //! | shading | kernels, in order | cost a point |
 //! | --- | --- | --- |
