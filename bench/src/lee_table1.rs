@@ -8,7 +8,8 @@ use ylm_prt::light::LightCoeffs;
 use ylm_prt::shade::adaptive::{AdaptiveFrame, Prediction, Refinement, Stage, Thresholds};
 use ylm_prt::shade::glossy::shade_glossy_by;
 use ylm_prt::shade::{
-    AdaptiveScene, AdaptiveSettings, GlossyLight, Received, SpecularWay, shade_adaptive, shade_glossy,
+    AdaptiveScene, AdaptiveSettings, Coherence, GlossyLight, Received, SpecularWay, shade_adaptive,
+    shade_adaptive_next,
 };
 use ylm_prt::transfer::Baked;
 
@@ -212,32 +213,40 @@ pub fn run_stages(options: &Options) -> Vec<Table> {
         ..settings
     };
     let (steady, foreseen) = (AdaptiveSettings::STEADY, AdaptiveSettings::FORESEEN);
+    let (filter, once, next) = (AdaptiveSettings::FILTER, None, Some(Coherence::default()));
+    let predicted = AdaptiveSettings { prediction: Prediction::BandEnergies, ..filter };
+    let sharp = AdaptiveSettings { smoothing_rings: 0, ..paper };
     let settings = [
-        ("all bands, nothing filtered", with(0.0, AdaptiveSettings::FILTER), &light),
-        ("filter", AdaptiveSettings::FILTER, &light),
-        (
-            "filter, prediction",
-            AdaptiveSettings { prediction: Prediction::BandEnergies, ..AdaptiveSettings::FILTER },
-            &light,
-        ),
-        ("filter, refinement", AdaptiveSettings { smoothing_rings: 0, ..paper }, &light),
-        ("filter, smoothing", AdaptiveSettings { refinement: Refinement::None, ..paper }, &light),
-        ("paper: all three", paper, &light),
-        ("paper, light windowed", paper, &windowed),
-        ("gradual end", steady, &light),
-        ("gradual end, half thresholds", with(0.5, steady), &light),
-        ("gradual end, light windowed", steady, &windowed),
-        ("foreseen, half thresholds", with(0.5, foreseen), &light),
-        ("foreseen", foreseen, &light),
-        ("foreseen, twice the thresholds", with(2.0, foreseen), &light),
-        ("foreseen, light windowed", foreseen, &windowed),
+        ("all bands, nothing filtered", with(0.0, filter), &light, &once),
+        ("filter", filter, &light, &once),
+        ("filter, prediction", predicted, &light, &once),
+        ("filter, refinement", sharp, &light, &once),
+        ("filter, smoothing", AdaptiveSettings { refinement: Refinement::None, ..paper }, &light, &once),
+        ("paper: all three", paper, &light, &once),
+        ("paper, light windowed", paper, &windowed, &once),
+        ("gradual end", steady, &light, &once),
+        ("gradual end, half thresholds", with(0.5, steady), &light, &once),
+        ("gradual end, light windowed", steady, &windowed, &once),
+        ("foreseen, half thresholds", with(0.5, foreseen), &light, &once),
+        ("foreseen", foreseen, &light, &once),
+        ("foreseen, twice the thresholds", with(2.0, foreseen), &light, &once),
+        ("foreseen, light windowed", foreseen, &windowed, &once),
+        ("filter, coherent", filter, &light, &next),
+        ("filter, refinement, coherent", sharp, &light, &next),
+        ("paper, coherent", paper, &light, &next),
+        ("foreseen, half thresholds, coherent", with(0.5, foreseen), &light, &next),
+        ("foreseen, coherent", foreseen, &light, &next),
     ];
     let frames = if options.quick { 3 } else { 50 };
-    for (name, settings, light) in settings {
-        let seconds =
-            fastest(options, || drop(black_box(adaptive(&ordered, light, eye, &settings).radiance())));
-        let frame = adaptive(&ordered, light, eye, &settings);
-        let reference = shade_glossy(&baked, light, &MATERIAL, eye).expect("a frame");
+    for (name, settings, light, coherence) in settings {
+        let mut spin =
+            Spin { scene: &ordered, baked: &baked, light, eye, settings, coherence: coherence.clone() };
+        let measured = spin.run(frames);
+        // After the frames, where it is coherent: of the last of them.
+        let degrees = if coherence.is_some() { STEP * (frames - 1) as f32 } else { 0.0 };
+        let seconds = fastest(options, || drop(black_box(spin.frame(degrees).radiance())));
+        let frame = spin.frame(degrees);
+        let reference = spin.full(degrees);
         let [diffuse, specular] = [&frame.diffuse, &frame.specular];
         let count = |stage| [diffuse.count(stage).to_string(), specular.count(stage).to_string()];
         let mut cells = vec![name.to_owned(), format!("{:.1}", 1e3 * seconds)];
@@ -246,7 +255,7 @@ pub fn run_stages(options: &Options) -> Vec<Table> {
             cells.extend(count(stage));
         }
         cells.push(format!("{:.1}", scene.psnr(&frame.radiance(), &reference)));
-        cells.push(format!("{:.2}", 255.0 * flicker(&ordered, &baked, light, eye, &settings, frames)));
+        cells.push(format!("{:.2}", 255.0 * measured.flicker));
         table.row(cells);
     }
     vec![table]
@@ -257,44 +266,89 @@ pub fn run_spin(options: &Options) -> Vec<Table> {
     let frames = if options.quick { 5 } else { 1801 };
     let mut table = Table::new(
         format!(
-            "A turn in {} steps of 0.2° under St. Peter's, level 10: the largest change above the full calculation's own, in 1/255",
+            "A turn in {} steps of {STEP}° under St. Peter's, level 10: the largest change above the full calculation's own, in 1/255, and the \
+             PSNR of the vertices with white at 1, in the worst frame",
             frames - 1
         ),
-        &["model", "stages", "flicker"],
+        &["model", "stages", "flicker", "PSNR dB"],
     );
     let Some(light) = probe(options, PETERS.1, BANDS) else { return vec![table] };
     for (name, file) in [ARMADILLO, BUDDHA] {
         let Some(scene) = LeeScene::new(options, name, file, BANDS) else { continue };
         let (baked, eye) = (scene.of_bands(BANDS), scene.camera.eye());
         let ordered = AdaptiveScene::new(&baked);
-        let flicker = flicker(&ordered, &baked, &light, eye, &AdaptiveSettings::FORESEEN, frames);
-        table.row(vec![name.to_owned(), "foreseen".to_owned(), format!("{:.2}", 255.0 * flicker)]);
+        let (paper, foreseen) = (AdaptiveSettings::PAPER, AdaptiveSettings::FORESEEN);
+        for (stages, settings, coherence) in [
+            ("foreseen", foreseen, None),
+            ("foreseen, coherent", foreseen, Some(Coherence::default())),
+            ("paper, coherent", paper, Some(Coherence::default())),
+        ] {
+            let mut spin = Spin { scene: &ordered, baked: &baked, light: &light, eye, settings, coherence };
+            let Measured { flicker, psnr } = spin.run(frames);
+            let cells =
+                [name.to_owned(), stages.to_owned(), format!("{:.2}", 255.0 * flicker), format!("{psnr:.1}")];
+            table.row(cells.to_vec());
+        }
     }
     vec![table]
 }
 
-/// The largest change of a vertex from frame to frame above the full calculation's own.
-fn flicker(
-    scene: &AdaptiveScene,
-    baked: &Baked,
-    light: &LightCoeffs,
+/// Degrees from frame to frame.
+const STEP: f32 = 0.2;
+
+/// A model that spins before a light and an eye that stand still.
+struct Spin<'a> {
+    scene: &'a AdaptiveScene<'a>,
+    baked: &'a Baked,
+    light: &'a LightCoeffs,
     eye: Vec3,
-    settings: &AdaptiveSettings,
-    frames: usize,
-) -> f32 {
-    let mut last: Option<[Vec<Vec3>; 2]> = None;
-    let mut most = 0.0f32;
-    for frame in 0..frames {
-        let (light, eye) = spun(light, eye, 0.2 * frame as f32);
-        let shown = adaptive(scene, &light, eye, settings).radiance();
-        let own = full(baked, &light, eye, SpecularWay::Quadrature);
-        if let Some([last_shown, last_own]) = &last {
-            for point in 0..shown.len() {
-                let jump = (shown[point] - last_shown[point]).abs().max_element();
-                most = most.max(jump - (own[point] - last_own[point]).abs().max_element());
-            }
-        }
-        last = Some([shown, own]);
+    settings: AdaptiveSettings,
+    /// If frames follow each other.
+    coherence: Option<Coherence>,
+}
+
+/// What is measured of a spin.
+struct Measured {
+    /// The largest change of a vertex from frame to frame above the full calculation's own.
+    flicker: f32,
+    /// Of the worst frame.
+    psnr: f64,
+}
+
+impl Spin<'_> {
+    fn frame(&mut self, degrees: f32) -> AdaptiveFrame {
+        let (light, eye) = spun(self.light, self.eye, degrees);
+        let Some(coherence) = &mut self.coherence else {
+            return adaptive(self.scene, &light, eye, &self.settings);
+        };
+        let glossy = GlossyLight::with_way(&light, self.scene.bands(), self.settings.light_way());
+        let glossy = glossy.expect("a light");
+        shade_adaptive_next(self.scene, &glossy, &MATERIAL, eye, &self.settings, coherence).expect("a frame")
     }
-    most
+
+    fn full(&self, degrees: f32) -> Vec<Vec3> {
+        let (light, eye) = spun(self.light, self.eye, degrees);
+        full(self.baked, &light, eye, SpecularWay::Quadrature)
+    }
+
+    fn run(&mut self, frames: usize) -> Measured {
+        let mut last: Option<[Vec<Vec3>; 2]> = None;
+        let mut measured = Measured { flicker: 0.0, psnr: f64::INFINITY };
+        for frame in 0..frames {
+            let degrees = STEP * frame as f32;
+            let (shown, own) = (self.frame(degrees).radiance(), self.full(degrees));
+            let squares =
+                shown.iter().zip(&own).map(|(a, b)| (a - b).as_dvec3().length_squared()).sum::<f64>();
+            measured.psnr = measured.psnr.min(-10.0 * (squares / (3 * own.len()) as f64).log10());
+            if let Some([last_shown, last_own]) = &last {
+                for point in 0..shown.len() {
+                    let jump = (shown[point] - last_shown[point]).abs().max_element();
+                    let own = (own[point] - last_own[point]).abs().max_element();
+                    measured.flicker = measured.flicker.max(jump - own);
+                }
+            }
+            last = Some([shown, own]);
+        }
+        measured
+    }
 }

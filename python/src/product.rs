@@ -4,7 +4,7 @@ use numpy::PyUntypedArrayMethods;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use ylm::product::band_forms::BandForms;
+use ylm::product::band_forms::{BandForms, PAIRS};
 use ylm::product::cap::CapProduct;
 use ylm::product::gaunt::{BruteForce, Gaunt, tripling};
 use ylm::product::grid::{Factor, Grid};
@@ -154,8 +154,12 @@ pub fn band_integrals<'py>(
             let forms = BandForms::new(&[h], &mut Workspace::new())?;
             let pairs = f.chunks_exact(width).zip(g.chunks_exact(width));
             for (out, (f, g)) in out.chunks_exact_mut(bands.count()).zip(pairs) {
+                let alone = |row: &[_]| row.iter().map(|&value| [value; PAIRS]).collect::<Vec<_>>();
+                let (f, g) = (alone(f), alone(g));
                 for (l, out) in out.iter_mut().enumerate() {
-                    forms.add_band(l, f, g, std::slice::from_mut(out), Level::best())?;
+                    let mut sums = [[*out; PAIRS]];
+                    forms.add_band(l, &f, &g, &mut sums, Level::best())?;
+                    *out = sums[0][0];
                 }
             }
             Ok(())

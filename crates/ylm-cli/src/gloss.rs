@@ -6,7 +6,8 @@ use ylm_prt::error::Result;
 use ylm_prt::light::LightCoeffs;
 use ylm_prt::shade::adaptive::{AdaptiveFrame, Pace, Region, Stage, Thresholds, thresholds_for_psnr};
 use ylm_prt::shade::{
-    AdaptiveScene, AdaptiveSettings, GlossyLight, GlossyMaterial, shade_adaptive, shade_glossy,
+    AdaptiveScene, AdaptiveSettings, Coherence, GlossyLight, GlossyMaterial, shade_adaptive,
+    shade_adaptive_next, shade_glossy,
 };
 use ylm_prt::transfer::Baked;
 
@@ -35,6 +36,10 @@ pub struct GlossOptions {
     /// Milliseconds that shading a picture of --spin may take: the thresholds follow
     #[arg(long, value_parser = options::positive, value_name = "MS", requires = "spin")]
     budget: Option<f32>,
+    /// The most that another number of bands changes a point from picture to picture of an adaptive --spin, diffuse and specular each, in units
+    /// of white as displayed: less flickers less and lags longer, 0 shades each picture by itself (default: 0.001)
+    #[arg(long, value_parser = options::not_negative, value_name = "STEP", requires = "spin")]
+    coherence: Option<f32>,
     /// How --shading adaptive goes about it (default: paper)
     #[arg(long, value_enum)]
     stages: Option<Stages>,
@@ -75,6 +80,7 @@ impl GlossOptions {
             ("--thresholds", self.thresholds.is_some(), shading.is_adaptive()),
             ("--psnr", self.psnr.is_some(), shading.is_adaptive()),
             ("--budget", self.budget.is_some(), shading.is_adaptive()),
+            ("--coherence", self.coherence.is_some(), shading.is_adaptive()),
             ("--stages", self.stages.is_some(), shading.is_adaptive()),
         ];
         match given.iter().find(|(_, is_given, has_effect)| *is_given && !has_effect) {
@@ -105,6 +111,20 @@ impl GlossOptions {
     /// None that the option's range leaves.
     pub fn pace(&self) -> Result<Option<Pace>> {
         self.budget.map(|milliseconds| Pace::new(f64::from(milliseconds) / 1e3)).transpose()
+    }
+
+    /// What adaptive pictures of a spin remember of each other, for pictures of this exposure; `None` if nothing.
+    ///
+    /// # Errors
+    /// None that the option's range leaves.
+    pub fn coherence(&self, exposure: f32) -> Result<Option<Coherence>> {
+        let step = self.coherence_step();
+        if step == 0.0 { Ok(None) } else { Coherence::new(step * (-exposure).exp2()).map(Some) }
+    }
+
+    /// In units of white as displayed.
+    pub fn coherence_step(&self) -> f32 {
+        self.coherence.unwrap_or(0.001)
     }
 
     /// [`GlossOptions::settings`], with the thresholds that the PSNR asks for in this light and view.
@@ -146,7 +166,7 @@ impl GlossOptions {
         shade_glossy(baked, light, &self.material(), eye)
     }
 
-    /// What shows of it.
+    /// What shows of it, after the picture before if it is remembered.
     ///
     /// # Errors
     /// As [`GlossOptions::shade`].
@@ -156,8 +176,13 @@ impl GlossOptions {
         light: &LightCoeffs,
         eye: Vec3,
         settings: &AdaptiveSettings,
+        coherence: Option<&mut Coherence>,
     ) -> Result<AdaptiveFrame> {
-        shade_adaptive(scene, &light_for(settings, scene, light)?, &self.material(), eye, settings)
+        let (light, material) = (light_for(settings, scene, light)?, self.material());
+        match coherence {
+            Some(coherence) => shade_adaptive_next(scene, &light, &material, eye, settings, coherence),
+            None => shade_adaptive(scene, &light, &material, eye, settings),
+        }
     }
 
     /// For `--json`.

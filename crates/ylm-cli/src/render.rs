@@ -209,7 +209,7 @@ pub fn run(arguments: &Arguments, output: &Output) -> error::Result<()> {
     }
     let (drawn, measures) = match turns {
         Some(turns) => scene.draw_turns(&turns, &light, &camera, output)?,
-        None => (scene.draw(&arguments.output, &light, &camera)?, None),
+        None => (scene.draw(&arguments.output, &light, &camera, None)?, None),
     };
     if drawn.shaded.negative_count() > 0 && !arguments.shading.is_false_colour() {
         output.warn(&format!(

@@ -48,6 +48,8 @@ pub struct Measures {
     jump: f32,
     excess: f32,
     has_full: bool,
+    /// Of adaptive pictures: what `--coherence` says.
+    pub coherence: Option<f32>,
 }
 
 impl Measures {
@@ -99,7 +101,7 @@ impl Measures {
         json!({
             "frames": self.shade_seconds.len(), "shade_seconds": times(&self.shade_seconds),
             "render_seconds": times(&self.render_seconds), "largest_change": self.jump,
-            "excess_over_full": self.has_full.then_some(self.excess),
+            "excess_over_full": self.has_full.then_some(self.excess), "coherence": self.coherence,
         })
     }
 }

@@ -136,6 +136,9 @@ fn options_without_effect_are_wrong_usage() {
         ("--spin 1", "2"),
         ("--shading adaptive --psnr 40 --thresholds 0,0", "--psnr"),
         ("--shading adaptive --budget 5", "--spin"),
+        ("--shading adaptive --coherence 0.01", "--spin"),
+        ("--shading glossy --spin 4 --coherence 0.01", "--coherence"),
+        ("--shading adaptive --spin 4 --coherence=-1", "positive"),
         ("--shading glossy --spin 4 --budget 5", "--budget"),
         ("--shading glossy --ball 0,3,0,1", "--ball"),
     ] {

@@ -14,7 +14,7 @@ use ylm_prt::reference::Occlusion;
 use ylm_prt::render::{Colours, Raster, render_in};
 use ylm_prt::scene::Camera;
 use ylm_prt::shade::adaptive::Pace;
-use ylm_prt::shade::{AdaptiveScene, AdaptiveSettings, NearLight, least_nonnegative_at_points};
+use ylm_prt::shade::{AdaptiveScene, AdaptiveSettings, Coherence, NearLight, least_nonnegative_at_points};
 use ylm_prt::transfer::Baked;
 
 use super::brdf::Material;
@@ -67,7 +67,13 @@ pub struct Drawn {
 
 impl Scene<'_> {
     /// Shades, draws and writes one picture.
-    pub fn draw(&self, path: &Path, light: &Light, camera: &Camera) -> error::Result<Drawn> {
+    pub fn draw(
+        &self,
+        path: &Path,
+        light: &Light,
+        camera: &Camera,
+        coherence: Option<&mut Coherence>,
+    ) -> error::Result<Drawn> {
         let Self { arguments, baked, stage, window, raster, exposure, .. } = *self;
         let shade_start = Instant::now();
         let (shaded, regions) = match arguments.shading.is_glossy() {
@@ -75,7 +81,7 @@ impl Scene<'_> {
                 let eye = camera.eye();
                 (material.shade(arguments, baked, &stage.bvh, light, window, eye)?, Value::Null)
             }
-            true => self.shade_glossy(light, camera.eye())?,
+            true => self.shade_glossy(light, camera.eye(), coherence)?,
             false => (shade(arguments, baked, light, stage, window, camera.eye())?, Value::Null),
         };
         let shade_seconds = shade_start.elapsed().as_secs_f64();
@@ -113,8 +119,11 @@ impl Scene<'_> {
         output: &Output,
     ) -> error::Result<(Drawn, Option<Measures>)> {
         let _guard = interrupt::Guard::new();
+        let gloss = &self.arguments.gloss;
+        let (mut pace, mut coherence) = (gloss.pace()?, gloss.coherence(self.exposure)?);
+        let step = self.arguments.shading.is_adaptive().then(|| gloss.coherence_step());
         let mut measures = Measures::default();
-        let mut pace = self.arguments.gloss.pace()?;
+        measures.coherence = step;
         let mut last = None;
         // As in real time: projected once, and turned for each picture.
         let coeffs = if self.arguments.shading.is_glossy() { Some(self.light_coeffs(light)?) } else { None };
@@ -134,7 +143,7 @@ impl Scene<'_> {
             });
             let turned = coeffs.as_ref().map(|coeffs| coeffs.rotated(turn.rotation)).transpose()?;
             let scene = Scene { ordered, turned: turned.as_ref(), ..*self };
-            let drawn = scene.draw(&turn.output, &light, &camera)?;
+            let drawn = scene.draw(&turn.output, &light, &camera, coherence.as_mut())?;
             if let Some(pace) = &mut pace {
                 pace.took(drawn.shade_seconds);
             }
@@ -169,7 +178,12 @@ impl Scene<'_> {
     }
 
     /// The radiance of a glossy surface, or where it is computed to which band.
-    fn shade_glossy(&self, light: &Light, eye: Vec3) -> error::Result<(Shaded, Value)> {
+    fn shade_glossy(
+        &self,
+        light: &Light,
+        eye: Vec3,
+        coherence: Option<&mut Coherence>,
+    ) -> error::Result<(Shaded, Value)> {
         let Self { arguments, baked, ordered, exposure, .. } = *self;
         let coeffs = self.light_coeffs(light)?;
         let Some(ordered) = ordered else {
@@ -177,7 +191,7 @@ impl Scene<'_> {
             return Ok((Shaded { radiance, noise: None }, Value::Null));
         };
         let Ordered { scene, settings } = ordered;
-        let frame = arguments.gloss.shade_adaptive(scene, &coeffs, eye, &settings)?;
+        let frame = arguments.gloss.shade_adaptive(scene, &coeffs, eye, &settings, coherence)?;
         let band_count = baked.transfer.bands.count();
         let radiance = match arguments.shading {
             Shading::Roi => gloss::region_of_interest(&frame, settings.base_bands, band_count),

@@ -33,7 +33,7 @@ mod ringing;
 pub mod separable;
 mod shadowed;
 
-pub use adaptive::{AdaptiveScene, AdaptiveSettings, shade_adaptive};
+pub use adaptive::{AdaptiveScene, AdaptiveSettings, Coherence, shade_adaptive, shade_adaptive_next};
 pub use ball::{Ball, Cap, dim};
 pub use brdf::{BrdfLight, BrdfTable, Reflection, shade_brdf};
 pub use diffuse::shade_diffuse;

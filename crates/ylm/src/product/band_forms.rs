@@ -2,18 +2,26 @@
 //!
 //! ∫ f g h dω = f · M g with h's product matrix M. With the bands below l known, band l brings the rows of M in that band, of all
 //! columns so far, and the columns in that band, of the rows before: two sub-matrices, each the other's mirror image, as M is symmetric.
+//!
+//! Pairs f, g stand side by side in the lanes of a vector, so that each entry that is read serves all of them.
 
 use crate::error::{Error, Result, check_length};
 use crate::product::matrix::ProductMatrix;
 use crate::simd::{Kernel, Lanes, MAX_COUNT};
 use crate::{Bands, Level, Real, Workspace};
 
+/// Pairs of functions that are integrated side by side.
+pub const PAIRS: usize = MAX_COUNT;
+
+/// Rows of a matrix that are summed up together.
+const BLOCK: usize = 4;
+
 /// The product matrices of a few functions h_c, in the order in which bands read them.
 #[derive(Clone, Debug)]
 pub struct BandForms<T> {
     bands: Bands,
     function_count: usize,
-    /// For each band l, `[j, function, i]` M_ij of i in band l and j up to the end of band l; i padded with zeros to whole vectors.
+    /// For each band, blocks of four of its rows i, the last of fewer: `[j, function, i]` M_ij, j up to the end of the band.
     levels: Vec<Vec<T>>,
 }
 
@@ -33,11 +41,12 @@ impl<T: Real> BandForms<T> {
         let matrices = functions.iter().map(|function| ProductMatrix::new(function, workspace));
         let matrices = matrices.collect::<Result<Vec<_>>>()?;
         let of_band = |l: usize| {
-            let (before, now, padded) = (l * l, (l + 1) * (l + 1), padded(l));
-            let mut level = vec![T::ZERO; now * matrices.len() * padded];
-            let places = (0..now).flat_map(|j| matrices.iter().map(move |matrix| (j, matrix)));
-            for (to, (j, matrix)) in level.chunks_exact_mut(padded).zip(places) {
-                to[..now - before].copy_from_slice(&matrix.row(j)[before..now]);
+            let (before, now) = (l * l, (l + 1) * (l + 1));
+            let mut level = Vec::with_capacity((2 * l + 1) * now * matrices.len());
+            for first in (before..now).step_by(BLOCK) {
+                let rows = first..now.min(first + BLOCK);
+                let places = (0..now).flat_map(|j| matrices.iter().map(move |matrix| (j, matrix)));
+                places.for_each(|(j, matrix)| level.extend_from_slice(&matrix.row(j)[rows.clone()]));
             }
             level
         };
@@ -50,17 +59,25 @@ impl<T: Real> BandForms<T> {
         self.bands
     }
 
-    /// Adds to `sums[c]` what band `l` of f and g adds to ∫ f g h_c dω of the bands below.
+    /// Adds to `sums[c]` what band `l` of f and g adds to ∫ f g h_c dω of the bands below, for [`PAIRS`] pairs f, g.
     ///
-    /// Shapes: `f` and `g` at least (l+1)² coefficients; `sums` one a function.
-    /// Cost: a multiply-add for each l² of the band's 2l+1 rows and function, and two for each l² of the rows; from band 0 to band n−1 half
-    /// of the matrices is read.
+    /// Shapes: `f` and `g` at least (l+1)² coefficients of each pair; `sums` one of each pair a function. Pairs do not touch each other: what
+    /// is in one that is not needed does not matter.
+    /// Cost: of a pair, two multiply-adds for each entry of the band's 2l+1 rows of (l+1)² columns, and one more for each function; from band 0
+    /// to band n−1 half of the matrices is read, once for all pairs.
     ///
     /// # Errors
     /// If a length does not fit, or there is no such band.
     ///
     /// [LK14] Algorithm 3; the product R is not kept, as one of the two sub-matrix products is taken from the other side.
-    pub fn add_band(&self, l: usize, f: &[T], g: &[T], sums: &mut [T], level: Level) -> Result<()> {
+    pub fn add_band(
+        &self,
+        l: usize,
+        f: &[[T; PAIRS]],
+        g: &[[T; PAIRS]],
+        sums: &mut [[T; PAIRS]],
+        level: Level,
+    ) -> Result<()> {
         check_length("bands (at most)", self.bands.count().max(l + 1), self.bands.count())?;
         let now = (l + 1) * (l + 1);
         check_length("the first function (at least)", f.len().min(now), now)?;
@@ -71,18 +88,13 @@ impl<T: Real> BandForms<T> {
     }
 }
 
-/// 2l+1, in whole vectors.
-fn padded(l: usize) -> usize {
-    (2 * l + 1).next_multiple_of(MAX_COUNT)
-}
-
 /// One band.
 pub struct Form<'a, T> {
     entries: &'a [T],
     l: usize,
-    f: &'a [T],
-    g: &'a [T],
-    sums: &'a mut [T],
+    f: &'a [[T; PAIRS]],
+    g: &'a [[T; PAIRS]],
+    sums: &'a mut [[T; PAIRS]],
 }
 
 impl<T: Real> Kernel<T> for Form<'_, T> {
@@ -91,72 +103,79 @@ impl<T: Real> Kernel<T> for Form<'_, T> {
     #[inline(always)]
     fn run<V: Lanes<T>>(mut self) {
         let count = self.sums.len();
+        let (before, now) = (self.l * self.l, (self.l + 1) * (self.l + 1));
         let mut first = 0;
         while first < count {
             // The channels of a coloured light side by side.
-            if count - first >= 3 {
-                add::<T, V, 3>(&mut self, first);
-                first += 3;
-            } else {
-                add::<T, V, 1>(&mut self, first);
-                first += 1;
+            let some = if count - first >= 3 { 3 } else { 1 };
+            let mut entries = self.entries;
+            for row in (before..now).step_by(BLOCK) {
+                let rows = BLOCK.min(now - row);
+                let (block, rest) = entries.split_at(now * count * rows);
+                entries = rest;
+                match (some, rows) {
+                    (3, BLOCK) => add::<T, V, 3, BLOCK>(&mut self, block, row, first),
+                    (3, 3) => add::<T, V, 3, 3>(&mut self, block, row, first),
+                    (3, _) => add::<T, V, 3, 1>(&mut self, block, row, first),
+                    (_, BLOCK) => add::<T, V, 1, BLOCK>(&mut self, block, row, first),
+                    (_, 3) => add::<T, V, 1, 3>(&mut self, block, row, first),
+                    _ => add::<T, V, 1, 1>(&mut self, block, row, first),
+                }
             }
+            first += some;
         }
     }
 }
 
-/// Functions `first .. first + F`.
+/// Functions `first .. first + F`, rows `row .. row + B`.
 #[inline(always)]
-fn add<T: Real, V: Lanes<T>, const F: usize>(form: &mut Form<'_, T>, first: usize) {
-    let Form { entries, l, f, g, ref mut sums } = *form;
-    let (before, width, padded) = (l * l, 2 * l + 1, padded(l));
-    let row = sums.len() * padded;
-    let (mixed_rows, own_rows) = entries.split_at(before * row);
-    for start in (0..width).step_by(V::COUNT) {
-        let (f_band, g_band) = (part::<T, V>(f, before, width, start), part::<T, V>(g, before, width, start));
-        let offset = first * padded + start;
-        // Even and odd columns apart: twice as many independent sums.
-        let mut totals = [[V::splat(T::ZERO); F]; 2];
-        for (j, rows) in mixed_rows.chunks_exact(row).enumerate() {
-            let factor = f_band.mul_add(V::splat(g[j]), g_band * V::splat(f[j]));
-            for c in 0..F {
-                let entry = V::load(&rows[offset + c * padded..]);
-                totals[j % 2][c] = factor.mul_add(entry, totals[j % 2][c]);
+fn add<T: Real, V: Lanes<T>, const F: usize, const B: usize>(
+    form: &mut Form<'_, T>,
+    block: &[T],
+    row: usize,
+    first: usize,
+) {
+    let Form { l, f, g, ref mut sums, .. } = *form;
+    let (before, now, stride) = (l * l, (l + 1) * (l + 1), sums.len() * B);
+    let (mixed, own) = block.split_at(before * stride);
+    for lane in (0..PAIRS).step_by(V::COUNT) {
+        let mut f_rows = [V::splat(T::ZERO); B];
+        let mut g_rows = f_rows;
+        for r in 0..B {
+            f_rows[r] = V::load(&f[row + r][lane..]);
+            g_rows[r] = V::load(&g[row + r][lane..]);
+        }
+        // Rows apart: as many independent sums.
+        let mut totals = [[V::splat(T::ZERO); B]; F];
+        for ((entries, f), g) in mixed.chunks_exact(stride).zip(&f[..before]).zip(&g[..before]) {
+            let entries = &entries[first * B..][..F * B];
+            let (f, g) = (V::load(&f[lane..]), V::load(&g[lane..]));
+            for r in 0..B {
+                let factor = f_rows[r].mul_add(g, g_rows[r] * f);
+                for c in 0..F {
+                    totals[c][r] = factor.mul_add(V::splat(entries[c * B + r]), totals[c][r]);
+                }
             }
         }
-        for (j, rows) in own_rows.chunks_exact(row).enumerate() {
-            let factor = f_band * V::splat(g[before + j]);
-            for c in 0..F {
-                let entry = V::load(&rows[offset + c * padded..]);
-                totals[j % 2][c] = factor.mul_add(entry, totals[j % 2][c]);
+        for (entries, g) in own.chunks_exact(stride).zip(&g[before..now]) {
+            let entries = &entries[first * B..][..F * B];
+            let g = V::load(&g[lane..]);
+            for r in 0..B {
+                let factor = f_rows[r] * g;
+                for c in 0..F {
+                    totals[c][r] = factor.mul_add(V::splat(entries[c * B + r]), totals[c][r]);
+                }
             }
         }
         for c in 0..F {
-            let mut lanes = [T::ZERO; MAX_COUNT];
-            (totals[0][c] + totals[1][c]).store(&mut lanes);
-            // By halves: four additions one after the other, not sixteen.
-            let mut half = MAX_COUNT / 2;
-            while half > 0 {
-                for k in 0..half {
-                    let other = lanes[k + half];
-                    lanes[k] += other;
-                }
-                half /= 2;
+            let sum = &mut sums[first + c][lane..];
+            let mut total = V::load(sum);
+            for r in 0..B {
+                total = total + totals[c][r];
             }
-            sums[first + c] += lanes[0];
+            total.store(sum);
         }
     }
-}
-
-/// A vector of a band's coefficients from `start` on; zeros beyond the band.
-#[inline(always)]
-fn part<T: Real, V: Lanes<T>>(function: &[T], before: usize, width: usize, start: usize) -> V {
-    if start + V::COUNT <= width {
-        return V::load(&function[before + start..]);
-    }
-    let mut lanes = [T::ZERO; MAX_COUNT];
-    lanes[..width - start].copy_from_slice(&function[before + start..before + width]);
-    V::load(&lanes)
 }
 
 #[cfg(test)]
@@ -164,14 +183,21 @@ mod tests {
     use super::*;
     use crate::product::oracle::{Dense, random};
 
+    /// `PAIRS` random functions side by side, and each by itself.
+    fn side_by_side<T: Real>(len: usize, seed: u64) -> (Vec<[T; PAIRS]>, Vec<Vec<T>>) {
+        let each: Vec<Vec<T>> = (0..PAIRS).map(|k| random(len, seed + 100 * k as u64)).collect();
+        ((0..len).map(|i| std::array::from_fn(|k| each[k][i])).collect(), each)
+    }
+
     fn check<T: Real>(n: usize, count: usize, tolerance: f64) {
-        let (f, g): (Vec<T>, Vec<T>) = (random(n * n, 1), random(n * n, 2));
+        let ((f, each_f), (g, each_g)) = (side_by_side::<T>(n * n, 1), side_by_side::<T>(n * n, 2));
         let functions: Vec<Vec<T>> = (0..count).map(|c| random(n * n, 3 + c as u64)).collect();
         let slices: Vec<&[T]> = functions.iter().map(Vec::as_slice).collect();
         let forms = BandForms::new(&slices, &mut Workspace::new()).unwrap();
         let norm = |f: &[T]| f.iter().map(|x| x.to_f64().powi(2)).sum::<f64>().sqrt();
+        let dense = Dense::new(n, 3 * (n - 1));
         for level in Level::available() {
-            let mut sums = vec![T::ZERO; count];
+            let mut sums = vec![[T::ZERO; PAIRS]; count];
             for l in 0..n {
                 forms.add_band(l, &f, &g, &mut sums, level).unwrap();
                 // Up to here it is the integral of fewer bands of both, and all of the functions'.
@@ -179,12 +205,19 @@ mod tests {
                 let cut = |f: &[T]| -> Vec<T> {
                     f.iter().enumerate().map(|(i, &x)| if i < now { x } else { T::ZERO }).collect()
                 };
-                let (f, g) = (cut(&f), cut(&g));
-                for (sum, function) in sums.iter().zip(&functions) {
-                    let expected = Dense::new(n, 3 * (n - 1)).integral(&[&f, &g, function]);
-                    let error = (sum.to_f64() - expected).abs();
-                    let size = norm(&f) * norm(&g) * norm(function);
-                    assert!(error <= tolerance * size, "{} n {n} band {l}: {error:e}", level.name());
+                // Some pairs in every band, all of them in the last.
+                for k in (0..PAIRS).step_by(if l + 1 == n { 1 } else { 5 }) {
+                    let (f, g) = (cut(&each_f[k]), cut(&each_g[k]));
+                    for (sum, function) in sums.iter().zip(&functions) {
+                        let expected = dense.integral(&[&f, &g, function]);
+                        let error = (sum[k].to_f64() - expected).abs();
+                        let size = norm(&f) * norm(&g) * norm(function);
+                        assert!(
+                            error <= tolerance * size,
+                            "{} n {n} band {l} pair {k}: {error:e}",
+                            level.name()
+                        );
+                    }
                 }
             }
         }
@@ -201,8 +234,9 @@ mod tests {
     #[test]
     fn lengths_that_do_not_fit_are_errors() {
         let forms = BandForms::new(&[&[1.0; 9]], &mut Workspace::new()).unwrap();
+        let ones = |count: usize| vec![[1.0; PAIRS]; count];
         let run = |l: usize, f: usize, g: usize, sums: usize| {
-            forms.add_band(l, &vec![1.0; f], &vec![1.0; g], &mut vec![0.0; sums], Level::best())
+            forms.add_band(l, &ones(f), &ones(g), &mut ones(sums), Level::best())
         };
         assert!(run(1, 4, 9, 1).is_ok());
         assert!(run(1, 3, 9, 1).is_err() && run(1, 4, 3, 1).is_err());

@@ -1,17 +1,16 @@
-//! How one point climbs from band to band, diffuse and specular.
+//! How one point climbs from band to band, and the diffuse climb.
 
 use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
-use ylm::Level;
-use ylm::product::band_forms::BandForms;
-use ylm::zonal::Zonal;
 
+use super::coherence::{LEAVING, Memory};
 use super::scene::AdaptiveScene;
 use super::settings::{AdaptiveSettings, Ending, Prediction, weight_left};
-use crate::error::{Error, Result};
+use super::specular::Tiles;
+use crate::error::Result;
 use crate::shade::bounced::{emission_of, leaving};
-use crate::shade::glossy::{CHUNK, GlossyLight, GlossyMaterial, axes_of, turn_lobes};
+use crate::shade::glossy::{GlossyLight, GlossyMaterial};
 
 /// Where a point has got to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,8 +19,10 @@ pub(super) struct Climb {
     pub base: Vec3,
     /// What the bands above add.
     pub difference: Vec3,
-    /// Bands that were computed.
+    /// Bands that count.
     pub bands: u8,
+    /// What the bands of the frame before would add.
+    pub kept: Vec3,
 }
 
 impl Climb {
@@ -33,9 +34,9 @@ impl Climb {
 
 /// Until where to climb.
 #[derive(Clone, Copy)]
-pub(super) enum Until {
-    /// To the end that the settings say.
-    Filtered,
+pub(super) enum Until<'a> {
+    /// To the end that the settings say, and at least as far as in the frame before, if there is one.
+    Filtered(&'a [Memory]),
     /// To the last band.
     Top,
 }
@@ -47,44 +48,77 @@ pub(super) trait Part: Sync {
 
     /// The threshold of this part.
     fn threshold(&self) -> f32;
+
+    fn settings(&self) -> &AdaptiveSettings;
 }
 
 /// Buffers of a thread.
 #[derive(Default)]
 pub(super) struct Scratch {
-    axes: Vec<[f32; 3]>,
-    lobes: Vec<f32>,
-    transfer: Vec<f32>,
+    pub axes: Vec<[f32; 3]>,
+    pub lobes: Vec<f32>,
+    pub tiles: Tiles,
+    pub paths: Vec<Path>,
     pub points: Vec<u32>,
 }
 
+impl Until<'_> {
+    /// Bands that a point had in the frame before.
+    fn bands_before(&self, point: usize) -> u8 {
+        match self {
+            Self::Filtered(memory) => memory.get(point).map_or(0, |memory| memory.bands),
+            Self::Top => 0,
+        }
+    }
+}
+
 /// Follows the sum of a climb with its weights.
-struct Path {
-    climb: Climb,
+pub(super) struct Path {
+    pub climb: Climb,
     ending: Ending,
     threshold: f32,
     weight: f32,
     /// What the bands so far add in full.
     full: Vec3,
+    /// Bands that are computed, those included that count no more.
+    computed: u8,
+    /// Bands of the frame before.
+    before: u8,
 }
 
 impl Path {
-    fn new(base: Vec3, base_bands: usize, until: Until, settings: &AdaptiveSettings, threshold: f32) -> Self {
+    pub fn new(base: Vec3, base_bands: usize, until: Until, point: usize, part: &impl Part) -> Self {
         let (ending, threshold) = match until {
-            Until::Filtered => (settings.ending, threshold),
+            Until::Filtered([]) => (part.settings().ending, part.threshold()),
+            // What changes at once is carried over.
+            Until::Filtered(_) => (Ending::Sudden, part.threshold()),
             Until::Top => (Ending::Sudden, 0.0),
         };
-        let climb = Climb { base, difference: Vec3::ZERO, bands: base_bands as u8 };
-        Self { climb, ending, threshold, weight: 1.0, full: Vec3::ZERO }
+        let bands = base_bands as u8;
+        let climb = Climb { base, difference: Vec3::ZERO, bands, kept: Vec3::ZERO };
+        let before = until.bands_before(point);
+        Self { climb, ending, threshold, weight: 1.0, full: Vec3::ZERO, computed: bands, before }
     }
 
     /// Takes the difference to the base after one band more; answers whether to go on.
-    fn step(&mut self, full: Vec3) -> bool {
-        self.climb.difference += self.weight * (full - self.full);
+    pub fn step(&mut self, full: Vec3) -> bool {
+        self.computed += 1;
+        let size = full.abs().max_element();
+        if self.computed == self.before {
+            self.climb.kept = full;
+            if size >= LEAVING * self.threshold {
+                // What it had it keeps, whatever the bands below say.
+                self.weight = 1.0;
+                self.full = self.climb.difference;
+            }
+        }
+        if self.weight > 0.0 {
+            self.climb.difference += self.weight * (full - self.full);
+            self.climb.bands = self.computed;
+            self.weight *= weight_left(self.ending, self.threshold, size);
+        }
         self.full = full;
-        self.climb.bands += 1;
-        self.weight *= weight_left(self.ending, self.threshold, full.abs().max_element());
-        self.weight > 0.0
+        self.weight > 0.0 || self.computed < self.before
     }
 }
 
@@ -169,9 +203,10 @@ impl Part for Diffuse<'_> {
                     }
             };
             let base = factor * (0..base_bands).map(of_band).sum::<Vec3>() + self.around(point);
-            let mut path = Path::new(base, base_bands, until, self.settings, self.threshold());
+            let mut path = Path::new(base, base_bands, until, point, self);
             let is_left_out =
-                matches!((until, self.settings.prediction), (Until::Filtered, Prediction::BandEnergies))
+                matches!((until, self.settings.prediction), (Until::Filtered(_), Prediction::BandEnergies))
+                    && usize::from(path.before) <= base_bands
                     && self.bound(point, factor) < self.threshold();
             let mut sum = Vec3::ZERO;
             for l in base_bands..if is_left_out { 0 } else { self.scene.band_count() } {
@@ -188,61 +223,8 @@ impl Part for Diffuse<'_> {
     fn threshold(&self) -> f32 {
         self.settings.thresholds.diffuse
     }
-}
 
-/// Σ R_i α_i Y_i(r), of band after band: [LK14] 4.3, Algorithm 3.
-pub(super) struct Specular<'a> {
-    pub scene: &'a AdaptiveScene<'a>,
-    pub light: &'a GlossyLight,
-    /// Of the light.
-    pub forms: &'a BandForms<f32>,
-    pub lobe: Zonal<f32>,
-    pub eye: Vec3,
-    pub settings: &'a AdaptiveSettings,
-}
-
-impl Part for Specular<'_> {
-    fn climb(&self, points: &[u32], until: Until, scratch: &mut Scratch, out: &mut [Climb]) -> Result<()> {
-        for (points, out) in points.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
-            let lit = &self.scene.baked.points;
-            let at = points.iter().map(|&p| p as usize);
-            axes_of(lit, at, self.eye, &mut scratch.axes);
-            turn_lobes(&self.lobe, &scratch.axes, &mut scratch.lobes)?;
-            let width = self.lobe.bands().coeff_count();
-            for (k, (&point, out)) in points.iter().zip(out).enumerate() {
-                let lobe = &scratch.lobes[k * width..][..width];
-                *out = self.climb_one(point as usize, until, lobe, &mut scratch.transfer)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn threshold(&self) -> f32 {
-        self.settings.thresholds.specular
-    }
-}
-
-impl Specular<'_> {
-    fn climb_one(&self, point: usize, until: Until, lobe: &[f32], transfer: &mut Vec<f32>) -> Result<Climb> {
-        let base_bands = self.settings.base_bands.min(self.scene.band_count());
-        transfer.clear();
-        let mut sums = [0.0; 3];
-        let sums = &mut sums[..self.light.channels.len()];
-        let mut add_band = |l: usize| {
-            transfer.extend_from_slice(self.scene.level(point, l));
-            self.forms.add_band(l, lobe, transfer, sums, Level::best())?;
-            Ok::<_, Error>(self.light.colour(sums))
-        };
-        let mut base = Vec3::ZERO;
-        for l in 0..base_bands {
-            base = add_band(l)?;
-        }
-        let mut path = Path::new(base, base_bands, until, self.settings, self.threshold());
-        for l in base_bands..self.scene.band_count() {
-            if !path.step(add_band(l)? - base) {
-                break;
-            }
-        }
-        Ok(path.climb)
+    fn settings(&self) -> &AdaptiveSettings {
+        self.settings
     }
 }

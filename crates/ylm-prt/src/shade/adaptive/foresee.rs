@@ -13,9 +13,10 @@ use ylm::zonal::Zonal;
 use ylm::{Bands, Workspace};
 
 use super::climb::{dot_self, light_norms, tint_of};
+use super::coherence::{LEAVING, Memory, Past, Settled};
 use super::region::{Region, Stage};
 use super::scene::AdaptiveScene;
-use super::settings::{AdaptiveSettings, weight_left};
+use super::settings::{AdaptiveSettings, Ending, weight_left};
 use super::{AdaptiveFrame, Thresholds};
 use crate::error::Result;
 use crate::shade::diffuse::diffuse_share;
@@ -50,6 +51,8 @@ struct Frame<'a> {
     /// What multiplies ‖O_l‖ in the estimates: of the diffuse part for each band, of the specular part `[row, column, band]`.
     diffuse_norms: Vec<f32>,
     specular_norms: Vec<f32>,
+    /// Of the frame before, diffuse and specular; empty if there is none.
+    memory: [&'a [Memory]; 2],
 }
 
 /// Buffers of a thread.
@@ -69,17 +72,19 @@ struct Scratch {
 #[derive(Clone, Copy, Default)]
 struct Shaded {
     radiance: [Vec3; 2],
+    /// What the bands of the frame before would give.
+    kept: [Vec3; 2],
     weights: [f32; 2],
 }
 
 pub(super) fn shade(
     scene: &AdaptiveScene,
     light: &GlossyLight,
-    grid: &Grid<f32>,
-    values: &[Values<f32>],
+    (grid, values): (&Grid<f32>, &[Values<f32>]),
     material: &GlossyMaterial,
     eye: Vec3,
     settings: &AdaptiveSettings,
+    mut past: Option<&mut [Past<'_>; 2]>,
 ) -> Result<AdaptiveFrame> {
     let base_bands = Bands::new(settings.base_bands.min(scene.band_count()))?;
     let base_grid = Grid::new(base_bands, 2)?;
@@ -106,6 +111,7 @@ pub(super) fn shade(
             .map(|(l, norm)| if l < base_bands.count() { 0.0 } else { norm / ((2 * l + 1) as f32).sqrt() })
             .collect(),
         specular_norms: specular_norms(scene, light, material, base_bands)?,
+        memory: past.as_ref().map_or([&[]; 2], |past| past.each_ref().map(Past::memory)),
     };
     let mut shaded = vec![Shaded::default(); scene.point_count()];
     shaded
@@ -114,7 +120,7 @@ pub(super) fn shade(
         .try_for_each_init(Scratch::default, |scratch, (chunk, shaded)| {
             frame.shade_chunk(chunk * CHUNK, shaded, scratch)
         })?;
-    let region = |part: usize| {
+    let mut region = |part: usize| {
         let bands = |point: &Shaded| {
             if point.weights[part] > 0.0 { scene.band_count() as u8 } else { base_bands.count() as u8 }
         };
@@ -123,8 +129,19 @@ pub(super) fn shade(
             1.0 => Stage::Selected,
             _ => Stage::Smoothed,
         };
+        let mut points: Vec<Settled> = shaded
+            .iter()
+            .map(|point| {
+                let own = point.radiance[part];
+                Settled { own, kept: point.kept[part], wanted: own, bands: bands(point) }
+            })
+            .collect();
+        if let Some(past) = &mut past {
+            let threshold = [settings.thresholds.diffuse, settings.thresholds.specular][part];
+            past[part].settle(threshold, &mut points);
+        }
         Region {
-            radiance: shaded.iter().map(|point| point.radiance[part]).collect(),
+            radiance: points.iter().map(|point| point.wanted).collect(),
             bands: shaded.iter().map(bands).collect(),
             stages: shaded.iter().map(stage).collect(),
         }
@@ -159,14 +176,10 @@ impl Frame<'_> {
             let point = first + k;
             let weights = self.weights(point, scratch.axes[k]);
             let base_row = &scratch.base_rows[k * base_width..][..base_width];
-            *shaded = Shaded {
-                radiance: [
-                    self.diffuse(point, base_row),
-                    light.colour(&scratch.integrals[k * channels..][..channels]),
-                ],
-                weights,
-            };
-            if weights != [0.0; 2] {
+            let base =
+                [self.diffuse(point, base_row), light.colour(&scratch.integrals[k * channels..][..channels])];
+            *shaded = Shaded { radiance: base, kept: base, weights };
+            if weights != [0.0; 2] || (0..2).any(|part| self.had_all(part, point)) {
                 scratch.chosen.push((k, weights));
                 scratch.chosen_axes.push(scratch.axes[k]);
                 let row = &scene.baked.transfer.vectors[point * width..][..width];
@@ -186,6 +199,9 @@ impl Frame<'_> {
         for (&(k, weights), (row, integrals)) in scratch.chosen.iter().zip(rows) {
             let full = [self.diffuse(first + k, row), light.colour(integrals)];
             for part in 0..2 {
+                if self.had_all(part, first + k) {
+                    shaded[k].kept[part] = full[part];
+                }
                 let radiance = &mut shaded[k].radiance[part];
                 // Exactly the full radiance where all of it counts.
                 *radiance = match weights[part] {
@@ -219,10 +235,22 @@ impl Frame<'_> {
         let specular = estimate(&|l| {
             (0..4).map(|k| shares[k] * self.specular_norms[places[k] * bands + l]).sum::<f32>()
         });
-        [
-            weight_left(self.settings.ending, self.thresholds.diffuse, diffuse),
-            weight_left(self.settings.ending, self.thresholds.specular, specular),
-        ]
+        let weight = |part: usize, threshold: f32, size: f32| match self.memory[part] {
+            [] => weight_left(self.settings.ending, threshold, size),
+            // What changes at once is carried over.
+            _ => {
+                let leaving = if self.had_all(part, point) { LEAVING } else { 1.0 };
+                weight_left(Ending::Sudden, leaving * threshold, size)
+            }
+        };
+        [weight(0, self.thresholds.diffuse, diffuse), weight(1, self.thresholds.specular, specular)]
+    }
+
+    /// Whether a part of a point had all bands in the frame before.
+    fn had_all(&self, part: usize, point: usize) -> bool {
+        self.memory[part]
+            .get(point)
+            .is_some_and(|memory| usize::from(memory.bands) == self.scene.band_count())
     }
 }
 

@@ -7,12 +7,15 @@
 //! Errors of filtered points are not bounded by the threshold: a band may add nothing where a later one would.
 
 mod climb;
+mod coherence;
 mod foresee;
 mod goal;
 mod region;
 mod scene;
 mod settings;
+mod specular;
 
+pub use coherence::Coherence;
 pub use goal::{Pace, thresholds_for_psnr};
 pub use region::{Region, Stage};
 pub use scene::AdaptiveScene;
@@ -20,7 +23,9 @@ pub use settings::{AdaptiveSettings, Ending, Prediction, Refinement, Thresholds}
 
 use glam::Vec3;
 
-use climb::{Diffuse, Specular};
+use climb::Diffuse;
+use coherence::Past;
+use specular::Specular;
 
 use crate::error::{Error, Result};
 use crate::shade::glossy::{GlossyLight, GlossyMaterial};
@@ -63,6 +68,43 @@ pub fn shade_adaptive(
     eye: Vec3,
     settings: &AdaptiveSettings,
 ) -> Result<AdaptiveFrame> {
+    shade_after(scene, light, material, eye, settings, None)
+}
+
+/// [`shade_adaptive`] of the next frame of a moving picture, which flickers less: see [`Coherence`].
+///
+/// A first frame is that of [`shade_adaptive`], and so is every frame with thresholds of 0; but a gradual end is a sudden one here, and what is
+/// foreseen counts in full or not at all.
+///
+/// Error: what is carried lags by at most eight thresholds a part, and by `step` less each frame. From frame to frame a point changes by no more
+/// than the same bands of it do, and the step of each part (test `coherent_frames_change_by_a_step_beyond_their_bands`).
+/// Cost: that of [`shade_adaptive`], with more points computed to the last band; the same bytes for any number of threads.
+///
+/// # Errors
+/// As [`shade_adaptive`]; the frame after is then a first one.
+pub fn shade_adaptive_next(
+    scene: &AdaptiveScene,
+    light: &GlossyLight,
+    material: &GlossyMaterial,
+    eye: Vec3,
+    settings: &AdaptiveSettings,
+    coherence: &mut Coherence,
+) -> Result<AdaptiveFrame> {
+    let mut past = coherence.open(scene, light, material, settings);
+    let frame = shade_after(scene, light, material, eye, settings, Some(&mut past))?;
+    coherence.keep(scene, material, settings);
+    Ok(frame)
+}
+
+/// A frame, after the one before it if there is one.
+fn shade_after(
+    scene: &AdaptiveScene,
+    light: &GlossyLight,
+    material: &GlossyMaterial,
+    eye: Vec3,
+    settings: &AdaptiveSettings,
+    past: Option<&mut [Past; 2]>,
+) -> Result<AdaptiveFrame> {
     settings.check()?;
     let bands = light.bands();
     let unfit = || {
@@ -76,15 +118,16 @@ pub fn shade_adaptive(
         return Err(unfit());
     }
     if settings.ending == Ending::Foreseen {
-        let (grid, values) = light.on_grid().ok_or_else(unfit)?;
-        return foresee::shade(scene, light, grid, values, material, eye, settings);
+        let on_grid = light.on_grid().ok_or_else(unfit)?;
+        return foresee::shade(scene, light, on_grid, material, eye, settings, past);
     }
     let forms = light.band_forms().ok_or_else(unfit)?;
     let lobe = material.lobe(bands)?;
     let diffuse = Diffuse::new(scene, light, *material, settings);
     let specular = Specular { scene, light, forms, lobe, eye, settings };
+    let [of_diffuse, of_specular] = past.map_or([None, None], |past| past.each_mut().map(Some));
     Ok(AdaptiveFrame {
-        diffuse: region::shade(&diffuse, scene, settings)?,
-        specular: region::shade(&specular, scene, settings)?,
+        diffuse: region::shade(&diffuse, scene, settings, of_diffuse)?,
+        specular: region::shade(&specular, scene, settings, of_specular)?,
     })
 }

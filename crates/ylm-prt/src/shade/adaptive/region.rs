@@ -6,6 +6,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::climb::{Climb, Part, Scratch, Until};
+use super::coherence::{LEAVING, Past, Settled};
 use super::scene::AdaptiveScene;
 use super::settings::{AdaptiveSettings, Refinement};
 use crate::error::Result;
@@ -53,8 +54,14 @@ impl Region {
     }
 }
 
-/// All stages of a part.
-pub(super) fn shade(part: &impl Part, scene: &AdaptiveScene, settings: &AdaptiveSettings) -> Result<Region> {
+/// All stages of a part, after the frame before if there is one.
+pub(super) fn shade(
+    part: &impl Part,
+    scene: &AdaptiveScene,
+    settings: &AdaptiveSettings,
+    past: Option<&mut Past>,
+) -> Result<Region> {
+    let memory = past.as_ref().map_or(&[][..], |past| past.memory());
     let point_count = scene.point_count();
     let mut climbs = vec![Climb::default(); point_count];
     climbs.par_chunks_mut(CHUNK).enumerate().try_for_each_init(
@@ -63,19 +70,39 @@ pub(super) fn shade(part: &impl Part, scene: &AdaptiveScene, settings: &Adaptive
             let mut points = std::mem::take(&mut scratch.points);
             points.clear();
             points.extend((chunk * CHUNK..).take(climbs.len()).map(|point| point as u32));
-            let done = part.climb(&points, Until::Filtered, scratch, climbs);
+            let done = part.climb(&points, Until::Filtered(memory), scratch, climbs);
             scratch.points = points;
             done
         },
     )?;
-    let is_at_top = |climb: &Climb| usize::from(climb.bands) == scene.band_count();
-    let is_in = |climb: &Climb| is_at_top(climb) && climb.size() >= part.threshold();
-    let mut stages: Vec<Stage> =
-        climbs.iter().map(|climb| if is_in(climb) { Stage::Selected } else { Stage::Filtered }).collect();
+    let was_at_top = |point: usize| {
+        memory.get(point).is_some_and(|memory| usize::from(memory.bands) == scene.band_count())
+    };
+    let is_in = |(point, climb): (usize, &Climb)| {
+        let threshold = if was_at_top(point) { LEAVING } else { 1.0 } * part.threshold();
+        usize::from(climb.bands) == scene.band_count() && climb.size() >= threshold
+    };
+    let stage = |climb| if is_in(climb) { Stage::Selected } else { Stage::Filtered };
+    let mut stages: Vec<Stage> = climbs.iter().enumerate().map(stage).collect();
     if settings.refinement == Refinement::Neighbours {
-        refine(part, scene, &mut climbs, &mut stages)?;
+        refine(part, scene, was_at_top, &mut climbs, &mut stages)?;
     }
+    let own: Vec<Vec3> = climbs.iter().map(|climb| climb.difference).collect();
     smooth(scene, settings.smoothing_rings, &mut climbs, &mut stages);
+    if let Some(past) = past {
+        let mut points: Vec<Settled> = climbs
+            .iter()
+            .zip(own)
+            .map(|(climb, own)| Settled {
+                own,
+                kept: climb.kept,
+                wanted: climb.difference,
+                bands: climb.bands,
+            })
+            .collect();
+        past.settle(part.threshold(), &mut points);
+        climbs.iter_mut().zip(points).for_each(|(climb, point)| climb.difference = point.wanted);
+    }
     Ok(Region {
         radiance: climbs.iter().map(|climb| climb.base + climb.difference).collect(),
         bands: climbs.iter().map(|climb| climb.bands).collect(),
@@ -86,7 +113,13 @@ pub(super) fn shade(part: &impl Part, scene: &AdaptiveScene, settings: &Adaptive
 /// Travels outwards from the region, breadth first, all points of a front at once.
 ///
 /// Which points are in a front depends on the fronts before it alone, not on the order within them.
-fn refine(part: &impl Part, scene: &AdaptiveScene, climbs: &mut [Climb], stages: &mut [Stage]) -> Result<()> {
+fn refine(
+    part: &impl Part,
+    scene: &AdaptiveScene,
+    was_at_top: impl Fn(usize) -> bool,
+    climbs: &mut [Climb],
+    stages: &mut [Stage],
+) -> Result<()> {
     let is_known: Vec<AtomicBool> =
         climbs.iter().map(|climb| AtomicBool::new(usize::from(climb.bands) == scene.band_count())).collect();
     let mut front: Vec<u32> =
@@ -98,6 +131,13 @@ fn refine(part: &impl Part, scene: &AdaptiveScene, climbs: &mut [Climb], stages:
             .copied()
             .filter(|&point| !is_known[point as usize].swap(true, Ordering::Relaxed))
             .collect();
+        // What was computed to the last band in the frame before is so in this one.
+        let (held, around): (Vec<u32>, Vec<u32>) = around.into_iter().partition(|&p| was_at_top(p as usize));
+        let at_top = |point: u32| {
+            let climb = climbs[point as usize];
+            Climb { difference: climb.kept, bands: scene.band_count() as u8, ..climb }
+        };
+        let of_held: Vec<Climb> = held.iter().map(|&point| at_top(point)).collect();
         let mut found = vec![Climb::default(); around.len()];
         found
             .par_chunks_mut(CHUNK)
@@ -106,10 +146,12 @@ fn refine(part: &impl Part, scene: &AdaptiveScene, climbs: &mut [Climb], stages:
                 part.climb(points, Until::Top, scratch, found)
             })?;
         front.clear();
-        for (&point, climb) in around.iter().zip(found) {
-            let is_in = climb.size() >= part.threshold();
+        for (&point, climb) in held.iter().chain(&around).zip(of_held.into_iter().chain(found)) {
+            let leaving = if was_at_top(point as usize) { LEAVING } else { 1.0 };
+            let is_in = climb.size() >= leaving * part.threshold();
             stages[point as usize] = if is_in { Stage::Refined } else { Stage::Tested };
-            climbs[point as usize] = climb;
+            let kept = climbs[point as usize].kept;
+            climbs[point as usize] = Climb { kept, ..climb };
             front.extend(is_in.then_some(point));
         }
     }

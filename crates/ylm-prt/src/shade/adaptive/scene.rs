@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 use ylm::Bands;
 
+use super::coherence::print_of;
 use crate::scene::Neighbours;
 use crate::transfer::Baked;
 
@@ -16,6 +17,8 @@ pub struct AdaptiveScene<'a> {
     levels: Vec<Vec<f32>>,
     /// ‖O‖ of each band, `[point, band]`.
     norms: Vec<f32>,
+    /// Tells the scene from others.
+    pub(super) print: u64,
 }
 
 impl<'a> AdaptiveScene<'a> {
@@ -31,14 +34,19 @@ impl<'a> AdaptiveScene<'a> {
                 .copied()
                 .collect()
         };
-        let norms = transfer.vectors.par_chunks_exact(width).flat_map_iter(|row| {
-            (0..bands).map(|l| row[l * l..][..2 * l + 1].iter().map(|c| c * c).sum::<f32>().sqrt())
-        });
+        let norms: Vec<f32> = transfer
+            .vectors
+            .par_chunks_exact(width)
+            .flat_map_iter(|row| {
+                (0..bands).map(|l| row[l * l..][..2 * l + 1].iter().map(|c| c * c).sum::<f32>().sqrt())
+            })
+            .collect();
         Self {
             baked,
             neighbours: Neighbours::of(baked.points.positions.len(), &baked.points.triangles),
             levels: (0..bands).map(of_band).collect(),
-            norms: norms.collect(),
+            print: print_of(&norms),
+            norms,
         }
     }
 

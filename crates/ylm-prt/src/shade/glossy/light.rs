@@ -1,13 +1,13 @@
 //! A light made ready for glossy reflection, and the ways to reflect it.
 
 use glam::Vec3;
-use ylm::product::band_forms::BandForms;
+use ylm::product::band_forms::{BandForms, PAIRS};
 use ylm::product::grid::{Grid, Values};
 use ylm::product::matrix::ProductMatrix;
 use ylm::zonal::Zonal;
 use ylm::{Bands, Level, Workspace};
 
-use super::{CHUNK, GlossyMaterial, axes_of, check_bands, each_chunk, turn_lobes};
+use super::{CHUNK, GlossyMaterial, axes_of, check_bands, each_chunk, put_side_by_side, turn_lobes};
 use crate::error::Result;
 use crate::light::LightCoeffs;
 use crate::shade::grey;
@@ -20,7 +20,7 @@ pub enum SpecularWay {
     VertexMatrix,
     /// The same matrix times many transfer vectors at once.
     BatchedMatrix,
-    /// The two halves of the same matrix at once, band after band: what adaptive shading climbs by.
+    /// The two halves of the same matrix at once, band after band, sixteen points side by side: what adaptive shading climbs by.
     BandForms,
     /// The integral of light, transfer and lobe in quadrature space: O(n³) a point.
     #[default]
@@ -59,6 +59,7 @@ pub(super) struct Scratch {
     lobes: Vec<f32>,
     received: Vec<f32>,
     integrals: Vec<f32>,
+    tiles: Vec<[f32; PAIRS]>,
 }
 
 impl GlossyLight {
@@ -165,7 +166,7 @@ impl GlossyLight {
 
     /// Writes `scratch.integrals` [point, channel] of transfer vectors and the lobe around the axes in `scratch`.
     fn integrate(&self, vectors: &[f32], lobe: &Zonal<f32>, scratch: &mut Scratch) -> Result<()> {
-        let Scratch { workspace, axes, lobes, received, integrals } = scratch;
+        let Scratch { workspace, axes, lobes, received, integrals, tiles } = scratch;
         let (width, channels) = (self.bands.coeff_count(), self.channels.len());
         integrals.resize(axes.len() * channels, 0.0);
         if !matches!(self.kind, Kind::Quadrature { .. }) {
@@ -194,11 +195,18 @@ impl GlossyLight {
                 }
             }
             Kind::BandForms(forms) => {
-                integrals.fill(0.0);
-                let points = vectors.chunks_exact(width).zip(lobes.chunks_exact(width));
-                for ((vector, lobe), integrals) in points.zip(integrals.chunks_exact_mut(channels)) {
+                tiles.resize(2 * width, [0.0; PAIRS]);
+                let (of_lobes, of_vectors) = tiles.split_at_mut(width);
+                let points = vectors.chunks(PAIRS * width).zip(lobes.chunks(PAIRS * width));
+                for ((vectors, lobes), integrals) in points.zip(integrals.chunks_mut(PAIRS * channels)) {
+                    put_side_by_side(lobes.chunks_exact(width).enumerate(), of_lobes);
+                    put_side_by_side(vectors.chunks_exact(width).enumerate(), of_vectors);
+                    let sums = &mut [[0.0; PAIRS]; 3][..channels];
                     (0..self.bands.count())
-                        .try_for_each(|l| forms.add_band(l, lobe, vector, integrals, Level::best()))?;
+                        .try_for_each(|l| forms.add_band(l, of_lobes, of_vectors, sums, Level::best()))?;
+                    for (k, integrals) in integrals.chunks_exact_mut(channels).enumerate() {
+                        (0..channels).for_each(|c| integrals[c] = sums[c][k]);
+                    }
                 }
             }
             Kind::Quadrature { grid, light } => {

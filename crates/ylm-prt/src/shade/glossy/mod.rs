@@ -16,6 +16,7 @@ pub use received::Received;
 use glam::Vec3;
 use rayon::prelude::*;
 use ylm::Bands;
+use ylm::product::band_forms::PAIRS;
 use ylm::zonal::Zonal;
 
 use crate::error::{Error, Result};
@@ -91,6 +92,16 @@ pub(super) fn turn_lobes(lobe: &Zonal<f32>, axes: &[[f32; 3]], lobes: &mut Vec<f
     lobes.resize(axes.len() * lobe.bands().coeff_count(), 0.0);
     lobe.rotate_batch(axes, lobes)?;
     Ok(())
+}
+
+/// Writes rows of coefficients to lanes of a tile `[coefficient, lane]`.
+pub(super) fn put_side_by_side<'a>(
+    rows: impl Iterator<Item = (usize, &'a [f32])>,
+    tile: &mut [[f32; PAIRS]],
+) {
+    for (lane, row) in rows {
+        tile.iter_mut().zip(row).for_each(|(tile, value)| tile[lane] = *value);
+    }
 }
 
 /// Calls `work` with chunks of the radiance of all points and the index of the first of each, in parallel.
