@@ -37,7 +37,8 @@ pub struct GlossOptions {
     #[arg(long, value_parser = options::positive, value_name = "MS", requires = "spin")]
     budget: Option<f32>,
     /// The most that another number of bands changes a point from picture to picture of an adaptive --spin, diffuse and specular each, in units
-    /// of white as displayed: less flickers less and lags longer, 0 shades each picture by itself (default: 0.001)
+    /// of white as displayed: less flickers less and lags longer, 0 shades each picture by itself (default: 0.001). Not for --stages steady,
+    /// whose end is gradual without it
     #[arg(long, value_parser = options::not_negative, value_name = "STEP", requires = "spin")]
     coherence: Option<f32>,
     /// How --shading adaptive goes about it (default: paper)
@@ -85,6 +86,9 @@ impl GlossOptions {
         ];
         match given.iter().find(|(_, is_given, has_effect)| *is_given && !has_effect) {
             Some((name, ..)) => Err(format!("{name} has no effect with --shading {}", shading.name())),
+            None if self.coherence.is_some() && self.stages == Some(Stages::Steady) => {
+                Err("--coherence has no effect with --stages steady".to_owned())
+            }
             None => Ok(()),
         }
     }
@@ -122,9 +126,9 @@ impl GlossOptions {
         if step == 0.0 { Ok(None) } else { Coherence::new(step * (-exposure).exp2()).map(Some) }
     }
 
-    /// In units of white as displayed.
+    /// In units of white as displayed. Memory would make a gradual end a sudden one.
     pub fn coherence_step(&self) -> f32 {
-        self.coherence.unwrap_or(0.001)
+        self.coherence.unwrap_or(if self.stages == Some(Stages::Steady) { 0.0 } else { 0.001 })
     }
 
     /// [`GlossOptions::settings`], with the thresholds that the PSNR asks for in this light and view.
@@ -215,13 +219,4 @@ pub fn frame_value(frame: &AdaptiveFrame, band_count: usize, thresholds: Thresho
         "diffuse": region(&frame.diffuse), "specular": region(&frame.specular),
         "thresholds": [shown.diffuse, shown.specular],
     })
-}
-
-/// Bands that were computed at each point beyond the first above the base, which decides whether there are more, and the more of diffuse
-/// and specular: 0 none, 1 all.
-pub fn region_of_interest(frame: &AdaptiveFrame, base_bands: usize, band_count: usize) -> Vec<Vec3> {
-    let first = base_bands as f32 + 1.0;
-    let above = (band_count as f32 - first).max(1.0);
-    let pairs = frame.diffuse.bands.iter().zip(&frame.specular.bands);
-    pairs.map(|(&d, &s)| Vec3::splat((f32::from(d.max(s)) - first).max(0.0) / above)).collect()
 }

@@ -139,6 +139,7 @@ fn options_without_effect_are_wrong_usage() {
         ("--shading adaptive --coherence 0.01", "--spin"),
         ("--shading glossy --spin 4 --coherence 0.01", "--coherence"),
         ("--shading adaptive --spin 4 --coherence=-1", "positive"),
+        ("--shading adaptive --spin 4 --stages steady --coherence 0.01", "steady"),
         ("--shading glossy --spin 4 --budget 5", "--budget"),
         ("--shading glossy --ball 0,3,0,1", "--ball"),
     ] {

@@ -194,7 +194,9 @@ impl Scene<'_> {
         let frame = arguments.gloss.shade_adaptive(scene, &coeffs, eye, &settings, coherence)?;
         let band_count = baked.transfer.bands.count();
         let radiance = match arguments.shading {
-            Shading::Roi => gloss::region_of_interest(&frame, settings.base_bands, band_count),
+            Shading::Roi => {
+                frame.reach(settings.base_bands, band_count).into_iter().map(Vec3::splat).collect()
+            }
             _ => frame.radiance(),
         };
         Ok((

@@ -144,7 +144,7 @@ impl<'a> Diffuse<'a> {
 
     /// What bounced light adds, in all of its bands, and what the point sends out: part of the base.
     fn around(&self, point: usize) -> Vec3 {
-        let (baked, tint) = (self.scene.baked, self.light.tint);
+        let (baked, tint) = (&*self.scene.baked, self.light.tint);
         let emission = emission_of(baked, point);
         if baked.transfer.bounced.is_none() {
             return emission;

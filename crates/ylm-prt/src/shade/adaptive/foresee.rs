@@ -217,8 +217,8 @@ impl Frame<'_> {
     fn diffuse(&self, point: usize, row: &[f32]) -> Vec3 {
         let (light, share) = (self.light, self.material.diffuse);
         match light.channels.as_slice() {
-            [r, g, b] => diffuse_share(self.scene.baked, point, row, [r, g, b], light.tint, share),
-            channels => diffuse_share(self.scene.baked, point, row, [&channels[0]], light.tint, share),
+            [r, g, b] => diffuse_share(&self.scene.baked, point, row, [r, g, b], light.tint, share),
+            channels => diffuse_share(&self.scene.baked, point, row, [&channels[0]], light.tint, share),
         }
     }
 

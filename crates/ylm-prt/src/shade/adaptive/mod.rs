@@ -44,6 +44,15 @@ impl AdaptiveFrame {
     pub fn radiance(&self) -> Vec<Vec3> {
         self.diffuse.radiance.iter().zip(&self.specular.radiance).map(|(d, s)| d + s).collect()
     }
+
+    /// Bands that were computed at each point of `band_count` beyond the first above the base, which decides whether there are more, and
+    /// the more of diffuse and specular: 0 none, 1 all.
+    pub fn reach(&self, base_bands: usize, band_count: usize) -> Vec<f32> {
+        let first = base_bands as f32 + 1.0;
+        let above = (band_count as f32 - first).max(1.0);
+        let pairs = self.diffuse.bands.iter().zip(&self.specular.bands);
+        pairs.map(|(&d, &s)| (f32::from(d.max(s)) - first).max(0.0) / above).collect()
+    }
 }
 
 /// The radiance that leaves each lighting point of a glossy scene towards an eye, computed where it shows.

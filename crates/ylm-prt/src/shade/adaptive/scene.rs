@@ -1,5 +1,7 @@
 //! A baked scene in the order in which adaptive shading reads it.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 use ylm::Bands;
 
@@ -11,7 +13,7 @@ use crate::transfer::Baked;
 ///
 /// Memory: as much again as the transfer, and 30 bytes an edge.
 pub struct AdaptiveScene<'a> {
-    pub(super) baked: &'a Baked,
+    pub(super) baked: Cow<'a, Baked>,
     pub(super) neighbours: Neighbours,
     /// For each band, `[point, 2l+1]`: what a filtered point never reads lies nowhere near what it reads.
     levels: Vec<Vec<f32>>,
@@ -24,6 +26,15 @@ pub struct AdaptiveScene<'a> {
 impl<'a> AdaptiveScene<'a> {
     /// Reorders the transfer.
     pub fn new(baked: &'a Baked) -> Self {
+        Self::of(Cow::Borrowed(baked))
+    }
+
+    /// The same for a scene that is kept here.
+    pub fn owning(baked: Baked) -> AdaptiveScene<'static> {
+        AdaptiveScene::of(Cow::Owned(baked))
+    }
+
+    fn of(baked: Cow<'a, Baked>) -> Self {
         let transfer = &baked.transfer;
         let (bands, width) = (transfer.bands.count(), transfer.bands.coeff_count());
         let of_band = |l: usize| -> Vec<f32> {
@@ -41,13 +52,9 @@ impl<'a> AdaptiveScene<'a> {
                 (0..bands).map(|l| row[l * l..][..2 * l + 1].iter().map(|c| c * c).sum::<f32>().sqrt())
             })
             .collect();
-        Self {
-            baked,
-            neighbours: Neighbours::of(baked.points.positions.len(), &baked.points.triangles),
-            levels: (0..bands).map(of_band).collect(),
-            print: print_of(&norms),
-            norms,
-        }
+        let neighbours = Neighbours::of(baked.points.positions.len(), &baked.points.triangles);
+        let levels = (0..bands).map(of_band).collect();
+        Self { print: print_of(&norms), neighbours, levels, norms, baked }
     }
 
     /// Bands of the transfer.
