@@ -144,18 +144,10 @@ pub fn develop<'py>(
 
 fn developed(pixels: &Bound<'_, PyAny>, exposure: f32, tone_map: &str) -> PyResult<ylm_prt::image::Picture> {
     let image = image_of(pixels)?;
-    let tone_map = match tone_map {
-        "none" => ToneMap::None,
-        "reinhard" => ToneMap::Reinhard,
-        "aces" => ToneMap::Aces,
-        "agx" => ToneMap::Agx,
-        _ => {
-            let names = ToneMap::NAMES.join(", ");
-            return Err(PyValueError::new_err(format!(
-                "tone map is \"{tone_map}\"; expected one of {names}"
-            )));
-        }
-    };
+    let tone_map: ToneMap = tone_map.parse().map_err(|_| {
+        let names = ToneMap::NAMES.join(", ");
+        PyValueError::new_err(format!("tone map is \"{tone_map}\"; expected one of {names}"))
+    })?;
     Ok(develop_image(&image, exposure, tone_map))
 }
 

@@ -231,7 +231,7 @@ def develop(pixels: ArrayLike, exposure: float = 0.0, tone_map: str = "none") ->
     exposure : float
         Stops.
     tone_map : str
-        none, reinhard, aces or agx.
+        none, reinhard, aces, agx or neutral.
 
     Returns
     -------

@@ -45,7 +45,7 @@ pub struct Arguments {
     #[arg(long, default_value = "auto", value_name = "EV", allow_hyphen_values = true)]
     exposure: Exposure,
     /// From radiance to display, in a light's map
-    #[arg(long, default_value = "aces", value_name = "none|reinhard|aces|agx")]
+    #[arg(long, default_value = "aces", value_name = "none|reinhard|aces|agx|neutral")]
     tonemap: ToneMap,
     /// Columns of a .png
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u16).range(100..=8000), value_name = "PIXELS")]

@@ -84,7 +84,7 @@ pub struct Arguments {
     #[arg(long, default_value = "0", value_name = "EV", allow_hyphen_values = true)]
     exposure: Exposure,
     /// From radiance to display; .exr takes none
-    #[arg(long, default_value = "none", value_name = "none|reinhard|aces|agx")]
+    #[arg(long, default_value = "none", value_name = "none|reinhard|aces|agx|neutral")]
     tonemap: ToneMap,
     /// What is seen past the model
     #[arg(long, value_enum, default_value_t = Background::Light)]

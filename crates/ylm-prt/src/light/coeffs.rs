@@ -69,6 +69,11 @@ pub enum Fault {
 const CHANNELS: [&str; 3] = ["r", "g", "b"];
 
 impl LightCoeffs {
+    /// Darkness.
+    pub fn zero(bands: Bands) -> Self {
+        Self { bands, channels: std::array::from_fn(|_| vec![0.0; bands.coeff_count()]) }
+    }
+
     /// Rounds sums in f64, 3 × n², to f32.
     pub(crate) fn from_sums(bands: Bands, sums: &[f64]) -> Result<Self> {
         if let Some(index) = sums.iter().position(|sum| !(*sum as f32).is_finite()) {

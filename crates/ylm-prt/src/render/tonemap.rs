@@ -22,13 +22,15 @@ pub enum ToneMap {
     /// AgX, base look: inset, log₂ over 16.5 stops, sigmoid, outset. [Sobotka 2022] "AgX", its sigmoid in Wrensch's
     /// polynomial of degree 6 (mean squared error 3.7e-6). [Wrensch 2023] "Minimal AgX Implementation"
     Agx,
+    /// PBR Neutral: colours as they are up to 0.8, highlights brought below white and bleached. [Khronos 2024] "PBR Neutral Tone Mapper"
+    Neutral,
 }
 
 impl ToneMap {
     /// Names on the command line, in the order of the variants.
-    pub const NAMES: [&str; 4] = ["none", "reinhard", "aces", "agx"];
+    pub const NAMES: [&str; 5] = ["none", "reinhard", "aces", "agx", "neutral"];
 
-    const ALL: [Self; 4] = [Self::None, Self::Reinhard, Self::Aces, Self::Agx];
+    const ALL: [Self; 5] = [Self::None, Self::Reinhard, Self::Aces, Self::Agx, Self::Neutral];
 
     /// Maps linear sRGB to linear display values from 0 to 1.
     pub fn apply(self, colour: Vec3) -> Vec3 {
@@ -39,6 +41,7 @@ impl ToneMap {
             Self::Reinhard => colour / (1.0 + colour.dot(LUMINANCE)),
             Self::Aces => aces(colour),
             Self::Agx => agx(colour),
+            Self::Neutral => neutral(colour),
         }
         .clamp(Vec3::ZERO, Vec3::ONE)
     }
@@ -122,6 +125,22 @@ fn agx(colour: Vec3) -> Vec3 {
     (OUTSET * sigmoid).max(Vec3::ZERO).map(|value| value.powf(2.2))
 }
 
+fn neutral(colour: Vec3) -> Vec3 {
+    // Reflection of a surface seen face on, 4 %, is taken away, less in the dark; from `START` on colours are compressed.
+    const START: f32 = 0.8 - 0.04;
+    const DESATURATION: f32 = 0.15;
+    let least = colour.min_element();
+    let colour = colour - if least < 0.08 { least - 6.25 * least * least } else { 0.04 };
+    let peak = colour.max_element();
+    if peak < START {
+        return colour;
+    }
+    let room = 1.0 - START;
+    let lowered = 1.0 - room * room / (peak + room - START);
+    let white = 1.0 - 1.0 / (DESATURATION * (peak - lowered) + 1.0);
+    (colour * (lowered / peak)).lerp(Vec3::splat(lowered), white)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -166,6 +185,9 @@ mod tests {
         // AgX puts middle grey at half of the display's code values, of exponent 2.2; two standard errors of the
         // polynomial, 0.004, are 0.004 of the linear value there.
         assert!((grey(ToneMap::Agx) - 0.5_f32.powf(2.2)).abs() <= 0.004, "{}", grey(ToneMap::Agx));
+        // PBR Neutral takes 0.04 off middle grey; at white the peak 0.96 becomes 1 − 0.24²/(0.96 + 0.24 − 0.76).
+        assert!((grey(ToneMap::Neutral) - 0.14).abs() <= 1e-6);
+        assert!((ToneMap::Neutral.apply(Vec3::ONE).y - (1.0 - 0.0576 / 0.44)).abs() <= 1e-6);
     }
 
     #[test]
