@@ -7,18 +7,100 @@ use ylm_prt::light::LightCoeffs;
 use ylm_prt::scene::{Camera, View};
 use ylm_prt::shade::GlossyMaterial;
 
-use crate::{Look, Shading, Share, Sky};
+use crate::{Look, Shading, Share, band_energies, picture_of_bands};
 
 /// A baked scene of which this worker lights a share.
 #[wasm_bindgen]
-pub struct Scene {
-    share: Share,
-    sky: Option<Sky>,
-    coeffs: Option<LightCoeffs>,
-}
+pub struct Scene(Share);
+
+/// The light of a view.
+#[wasm_bindgen]
+pub struct Lamp(crate::Lamp);
+
+/// What comes of a frame.
+#[wasm_bindgen]
+pub struct Lit(crate::Lit);
 
 fn error(error: ylm_prt::Error) -> JsError {
     JsError::new(&error.to_string())
+}
+
+fn flat(vectors: &[Vec3]) -> Vec<f32> {
+    vectors.iter().flat_map(|vector| vector.to_array()).collect()
+}
+
+fn quaternion(numbers: &[f32]) -> Result<Quat, JsError> {
+    let numbers: [f32; 4] = numbers.try_into().map_err(|_| JsError::new("a rotation has 4 numbers"))?;
+    Ok(Quat::from_array(numbers))
+}
+
+fn bands_of(count: usize) -> Result<Bands, JsError> {
+    Bands::new(count).map_err(|fault| error(fault.into()))
+}
+
+/// Coefficients from [channel, n²].
+fn coeffs_of(flat: &[f32], bands: Bands) -> Result<LightCoeffs, JsError> {
+    let width = bands.coeff_count();
+    if flat.len() != 3 * width {
+        return Err(JsError::new(&format!("{} coefficients; {} are three channels", flat.len(), 3 * width)));
+    }
+    Ok(LightCoeffs { bands, channels: std::array::from_fn(|c| flat[c * width..][..width].to_vec()) })
+}
+
+#[wasm_bindgen]
+impl Lamp {
+    /// Darkness, to be projected to these bands.
+    ///
+    /// # Errors
+    /// If there are no such bands.
+    #[wasm_bindgen(constructor)]
+    pub fn new(bands: usize) -> Result<Self, JsError> {
+        Ok(Self(crate::Lamp::new(bands_of(bands)?)))
+    }
+
+    /// Takes a probe's bytes; it shines once [`Lamp::set`] says how much.
+    ///
+    /// # Errors
+    /// If they are no probe; the lamp is as it was then.
+    pub fn open_probe(&mut self, bytes: &[u8], name: &str) -> Result<(), JsError> {
+        self.0.open_probe(bytes, name).map_err(error)
+    }
+
+    /// Shines by words, if there are any, and by the probe so many times over.
+    ///
+    /// # Errors
+    /// If a word is unknown; the lamp is as it was then.
+    pub fn set(&mut self, words: &str, probe_gain: f32) -> Result<(), JsError> {
+        self.0.set(words, probe_gain).map_err(error)
+    }
+
+    /// Coefficients, [channel, n²].
+    pub fn coeffs(&mut self) -> Vec<f32> {
+        self.0.coeffs().channels.concat()
+    }
+
+    /// The root of the sum of squares of each band.
+    pub fn band_energies(&mut self) -> Vec<f32> {
+        band_energies(&self.0.coeffs())
+    }
+
+    /// The mean of the radiance over all directions, RGB.
+    pub fn mean_radiance(&mut self) -> Vec<f32> {
+        self.0.coeffs().mean_radiance().to_array().to_vec()
+    }
+
+    /// The light as a lat-long picture of the world, [height, width, 3]; `bands` above 0 for what so many of them hold.
+    ///
+    /// # Errors
+    /// If there are no such bands.
+    pub fn picture(&mut self, width: usize, height: usize, bands: usize) -> Result<Vec<f32>, JsError> {
+        if bands == 0 {
+            return Ok(flat(&self.0.picture(width, height)));
+        }
+        let coeffs = self.0.coeffs();
+        let coeffs = coeffs.resized(bands_of(bands)?.min(coeffs.bands));
+        Ok(flat(&picture_of_bands(coeffs, width, height)))
+    }
 }
 
 #[wasm_bindgen]
@@ -28,19 +110,18 @@ impl Scene {
     /// # Errors
     /// If they are no baked scene.
     #[wasm_bindgen(constructor)]
-    pub fn new(bytes: &[u8], name: &str, part: usize, part_count: usize) -> Result<Scene, JsError> {
-        let share = Share::open(bytes, name, part, part_count).map_err(error)?;
-        Ok(Self { share, sky: None, coeffs: None })
+    pub fn new(bytes: &[u8], name: &str, part: usize, part_count: usize) -> Result<Self, JsError> {
+        Share::open(bytes, name, part, part_count).map(Self).map_err(error)
     }
 
     /// World positions of all points, [point, 3].
     pub fn positions(&self) -> Vec<f32> {
-        flat(&self.share.points().positions)
+        flat(&self.0.points().positions)
     }
 
     /// Corners of the triangles, [triangle, 3].
     pub fn triangles(&self) -> Vec<u32> {
-        self.share.points().triangles.as_flattened().to_vec()
+        self.0.points().triangles.as_flattened().to_vec()
     }
 
     /// The eye from which all of the scene is in view, as `ylm render` places it by azimuth and elevation in degrees, for a
@@ -51,77 +132,42 @@ impl Scene {
     pub fn fit(&self, azimuth: f32, elevation: f32, aspect: f32) -> Result<Vec<f32>, JsError> {
         let view =
             View { azimuth: azimuth.to_radians(), elevation: elevation.to_radians(), ..View::default() };
-        let camera = Camera::fit(&self.share.points().positions, &view, aspect, 0.08).map_err(error)?;
+        let camera = Camera::fit(&self.0.points().positions, &view, aspect, 0.08).map_err(error)?;
         Ok(camera.eye().to_array().to_vec())
     }
 
     /// Bands of the transfer.
     pub fn bands(&self) -> usize {
-        self.share.bands().count()
+        self.0.bands().count()
     }
 
     /// `unshadowed`, `shadowed` or `interreflected`.
     pub fn kind(&self) -> String {
-        self.share.kind().name().to_owned()
+        self.0.kind().name().to_owned()
     }
 
-    /// Lights the scene by a probe's bytes, if there are any, and the words of the command line, if there are any.
+    /// Lights the scene by coefficients [channel, n²] of the transfer's bands from now on.
     ///
     /// # Errors
-    /// If a word is unknown, or the bytes are no probe; the light is then as it was.
-    pub fn set_light(
-        &mut self,
-        words: &str,
-        probe: Option<Vec<u8>>,
-        probe_name: &str,
-    ) -> Result<(), JsError> {
-        let of_picture = probe.map(|bytes| Sky::of_picture(&bytes, probe_name)).transpose().map_err(error)?;
-        let sky = match (of_picture, words) {
-            (Some(picture), "") => picture,
-            (Some(picture), words) => picture.plus(Sky::of_words(words).map_err(error)?),
-            (None, words) => Sky::of_words(words).map_err(error)?,
-        };
-        let coeffs = sky.project(self.share.bands()).map_err(error)?;
-        self.share.set_light(coeffs.clone());
-        (self.sky, self.coeffs) = (Some(sky), Some(coeffs));
+    /// If there are more or fewer.
+    pub fn set_light(&mut self, coeffs: &[f32]) -> Result<(), JsError> {
+        self.0.set_light(coeffs_of(coeffs, self.0.bands())?);
         Ok(())
     }
 
-    /// What the light's bands hold: the root of the sum of squares of each band, over the channels.
-    pub fn band_energies(&self) -> Vec<f32> {
-        let Some(coeffs) = &self.coeffs else { return Vec::new() };
-        let band = |l: usize| {
-            let squares = coeffs.channels.iter().flat_map(|channel| &channel[l * l..(l + 1) * (l + 1)]);
-            squares.map(|c| c * c).sum::<f32>().sqrt()
-        };
-        (0..coeffs.bands.count()).map(band).collect()
-    }
-
-    /// The mean of the light's luminance over all directions.
-    pub fn mean_luminance(&self) -> f32 {
-        self.coeffs
-            .as_ref()
-            .map_or(0.0, |coeffs| coeffs.mean_radiance().dot(Vec3::new(0.2126, 0.7152, 0.0722)))
-    }
-
-    /// The light as a lat-long picture of the world, [height, width, 3]; `bands` above 0 for what so many of them hold.
+    /// The light's first bands, turned: [channel, b²] for b bands.
     ///
     /// # Errors
-    /// If there are no such bands.
-    pub fn light_picture(&self, width: usize, height: usize, bands: usize) -> Result<Vec<f32>, JsError> {
-        let Some(sky) = &self.sky else { return Ok(vec![0.0; 3 * width * height]) };
-        if bands == 0 {
-            return Ok(flat(&sky.picture(width, height)));
-        }
-        let bands = Bands::new(bands).map_err(|fault| error(fault.into()))?;
-        let coeffs = sky.project(bands).map_err(error)?;
-        Ok(flat(&Sky::of_coeffs(coeffs).picture(width, height)))
+    /// If bands are none, or the rotation is no rotation.
+    pub fn turned_light(&self, bands: usize, rotation: &[f32]) -> Result<Vec<f32>, JsError> {
+        let light = self.0.turned_light(bands, quaternion(rotation)?).map_err(error)?;
+        Ok(light.channels.concat())
     }
 
-    /// The radiance that leaves each point of the share, [point, 3].
+    /// Lights each point of the share.
     ///
-    /// `shading` is one of [`Shading::NAMES`], `rotation` a quaternion [x, y, z, w] that turns the light, `material`
-    /// [diffuse, specular, shininess], `eye` a position.
+    /// `shading` is one of [`Shading::NAMES`], `rotation` a quaternion [x, y, z, w] that turns the light, `material` [diffuse,
+    /// specular, shininess], `eye` a position, `gain` what one unit of radiance is shown as.
     ///
     /// # Errors
     /// If one of them is out of range.
@@ -132,22 +178,37 @@ impl Scene {
         rotation: &[f32],
         material: &[f32],
         eye: &[f32],
-    ) -> Result<Vec<f32>, JsError> {
-        let wrong = || JsError::new("a rotation has 4 numbers, a material 3, an eye 3");
-        let rotation: [f32; 4] = rotation.try_into().map_err(|_| wrong())?;
+        gain: f32,
+    ) -> Result<Lit, JsError> {
+        let wrong = || JsError::new("a material and an eye have 3 numbers");
         let [diffuse, specular, shininess]: [f32; 3] = material.try_into().map_err(|_| wrong())?;
         let eye: [f32; 3] = eye.try_into().map_err(|_| wrong())?;
         let look = Look {
             shading: Shading::from_name(shading).map_err(error)?,
             bands,
-            rotation: Quat::from_array(rotation),
+            rotation: quaternion(rotation)?,
             material: GlossyMaterial { diffuse, specular, shininess },
             eye: eye.into(),
+            gain,
         };
-        Ok(flat(&self.share.relight(&look).map_err(error)?))
+        self.0.relight(&look).map(Lit).map_err(error)
     }
 }
 
-fn flat(vectors: &[Vec3]) -> Vec<f32> {
-    vectors.iter().flat_map(|vector| vector.to_array()).collect()
+#[wasm_bindgen]
+impl Lit {
+    /// The radiance that leaves each point, [point, 3].
+    pub fn radiance(&self) -> Vec<f32> {
+        flat(&self.0.radiance)
+    }
+
+    /// How far above the base each point was computed, 0 to 1; empty unless adaptive.
+    pub fn reach(&self) -> Vec<f32> {
+        self.0.reach.clone()
+    }
+
+    /// Parts of the points that the filter spared, diffuse and specular; empty unless adaptive.
+    pub fn filtered(&self) -> Vec<f64> {
+        self.0.filtered.map(Vec::from).unwrap_or_default()
+    }
 }

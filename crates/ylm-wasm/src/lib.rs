@@ -1,11 +1,12 @@
 //! Relighting of baked scenes in the browser.
 //!
-//! Thin over `ylm-prt`: [`Share`] lights the points that one worker has, with the code of the desktop. What JavaScript sees
-//! of it is in [`bindings`]; it hands over bytes of files and the words of the command line, and gets flat arrays.
+//! Thin over `ylm-prt`: [`Share`] lights the points that one worker has, with the code of the desktop, and [`Lamp`] makes the
+//! light that all of them are lit by. What JavaScript sees of both is in [`bindings`]; it hands over bytes of files and the words
+//! of the command line, and gets flat arrays.
 
 pub mod bindings;
+mod lamp;
 mod share;
-mod sky;
 
-pub use share::{Look, Shading, Share};
-pub use sky::Sky;
+pub use lamp::{Lamp, band_energies, picture_of_bands};
+pub use share::{Lit, Look, Shading, Share};

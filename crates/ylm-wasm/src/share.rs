@@ -1,6 +1,7 @@
 //! One worker's share of a baked scene.
 
 use std::borrow::Cow;
+use std::mem::swap;
 use std::path::Path;
 
 use glam::{Quat, Vec3};
@@ -10,8 +11,10 @@ use ylm_prt::error::{Error, Result};
 use ylm_prt::format::parse_baked;
 use ylm_prt::light::LightCoeffs;
 use ylm_prt::scene::LightingPoints;
-use ylm_prt::shade::{GlossyMaterial, shade_diffuse, shade_glossy};
-use ylm_prt::transfer::{Baked, TransferKind};
+use ylm_prt::shade::{
+    AdaptiveScene, AdaptiveSettings, GlossyLight, GlossyMaterial, shade_adaptive, shade_diffuse, shade_glossy,
+};
+use ylm_prt::transfer::{Baked, Transfer, TransferKind};
 
 /// How points are lit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,13 +28,15 @@ pub enum Shading {
     Full,
     /// The same, with highlights.
     Glossy,
+    /// As glossy, all bands only where they show; by a share that is the whole scene.
+    Adaptive,
 }
 
 impl Shading {
     /// Names, in the order of the variants.
-    pub const NAMES: [&str; 4] = ["unshadowed", "shadowed", "interreflected", "glossy"];
+    pub const NAMES: [&str; 5] = ["unshadowed", "shadowed", "interreflected", "glossy", "adaptive"];
 
-    const ALL: [Self; 4] = [Self::Unshadowed, Self::Direct, Self::Full, Self::Glossy];
+    const ALL: [Self; 5] = [Self::Unshadowed, Self::Direct, Self::Full, Self::Glossy, Self::Adaptive];
 
     /// The shading of a name.
     ///
@@ -54,21 +59,35 @@ pub struct Look {
     pub bands: usize,
     /// Turns the light.
     pub rotation: Quat,
-    /// What the surface is made of; for [`Shading::Glossy`].
+    /// What the surface is made of; for [`Shading::Glossy`] and [`Shading::Adaptive`].
     pub material: GlossyMaterial,
     /// Where highlights are seen from.
     pub eye: Vec3,
+    /// What one unit of radiance is shown as, which thresholds of [`Shading::Adaptive`] are for.
+    pub gain: f32,
+}
+
+/// What comes of a frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Lit {
+    /// The radiance that leaves each point of the share.
+    pub radiance: Vec<Vec3>,
+    /// How far above the base each point was computed, 0 to 1; none unless adaptive.
+    pub reach: Vec<f32>,
+    /// Parts of the points that the filter spared, diffuse and specular; none unless adaptive.
+    pub filtered: Option<[f64; 2]>,
 }
 
 /// Some of the points of a baked scene, ready to be lit.
 pub struct Share {
     /// All points, with the triangles between them.
     points: LightingPoints,
-    /// The points of this share: as they were baked, by direct light alone, and without shadows. The latter are made when
-    /// first asked for.
+    /// The points of this share.
     baked: Baked,
-    direct: Option<Baked>,
-    unshadowed: Option<Baked>,
+    /// Transfer vectors without shadows, and the whole in the order of adaptive shading: made when first asked for.
+    unshadowed: Option<Vec<f32>>,
+    adaptive: Option<AdaptiveScene<'static>>,
+    is_whole: bool,
     light: LightCoeffs,
 }
 
@@ -83,15 +102,23 @@ impl Share {
         }
         let whole = parse_baked(bytes).map_err(|fault| Error::file(Path::new(name), fault))?;
         let count = whole.points.positions.len();
-        let baked = whole.only_points(count * part / part_count..count * (part + 1) / part_count)?;
-        let bands = baked.transfer.bands;
-        let light = LightCoeffs { bands, channels: std::array::from_fn(|_| vec![0.0; bands.coeff_count()]) };
-        Ok(Self { points: whole.points, baked, direct: None, unshadowed: None, light })
+        let points = whole.points.clone();
+        let baked = match part_count {
+            1 => whole,
+            _ => whole.only_points(count * part / part_count..count * (part + 1) / part_count)?,
+        };
+        let light = LightCoeffs::zero(baked.transfer.bands);
+        Ok(Self { points, baked, unshadowed: None, adaptive: None, is_whole: part_count == 1, light })
     }
 
     /// All points of the scene, with the triangles between them.
     pub fn points(&self) -> &LightingPoints {
         &self.points
+    }
+
+    /// What the points of this share were baked with.
+    pub fn transfer(&self) -> &Transfer {
+        &self.baked.transfer
     }
 
     /// Bands of the transfer.
@@ -109,54 +136,88 @@ impl Share {
         self.light = light;
     }
 
-    /// The radiance that leaves each point of the share.
-    ///
-    /// Cost: the light's rotation, O(n³), and that of [`shade_diffuse`] or [`shade_glossy`].
+    /// The light as [`Share::relight`] uses it: its first bands, turned.
     ///
     /// # Errors
-    /// If bands are none, the rotation is not finite, or a number of the material is out of range.
-    pub fn relight(&mut self, look: &Look) -> Result<Vec<Vec3>> {
-        let of_bake = self.bands();
-        let used = Bands::new(look.bands)?.min(of_bake);
-        let light = self.light.resized(used).rotated(look.rotation)?;
-        match look.shading {
-            Shading::Unshadowed if self.unshadowed.is_none() => {
-                self.unshadowed = Some(self.without_shadows()?);
+    /// If bands are none, or the rotation is not finite.
+    pub fn turned_light(&self, bands: usize, rotation: Quat) -> Result<LightCoeffs> {
+        self.light.resized(Bands::new(bands)?.min(self.bands())).rotated(rotation)
+    }
+
+    /// Lights each point of the share.
+    ///
+    /// Cost: the light's rotation, O(n³), and that of [`shade_diffuse`], [`shade_glossy`] or [`shade_adaptive`].
+    ///
+    /// # Errors
+    /// If bands are none, the rotation is not finite, a number of the material is out of range, or part of a scene is asked for adaptive
+    /// shading, which looks at neighbours.
+    pub fn relight(&mut self, look: &Look) -> Result<Lit> {
+        let light = self.turned_light(look.bands, look.rotation)?;
+        let radiance = match look.shading {
+            Shading::Unshadowed => self.relight_unshadowed(&light)?,
+            Shading::Direct => {
+                let bounced = self.baked.transfer.bounced.take();
+                let radiance = shade_diffuse(&self.baked, &light);
+                self.baked.transfer.bounced = bounced;
+                radiance
             }
-            Shading::Direct if self.direct.is_none() && self.baked.transfer.bounced.is_some() => {
-                let mut direct = self.baked.clone();
-                direct.transfer.bounced = None;
-                self.direct = Some(direct);
-            }
-            _ => {}
-        }
-        let baked: &Baked = match look.shading {
-            Shading::Unshadowed => self.unshadowed.as_ref().unwrap_or(&self.baked),
-            Shading::Direct => self.direct.as_ref().unwrap_or(&self.baked),
-            Shading::Full | Shading::Glossy => &self.baked,
-        };
-        match look.shading {
+            Shading::Full => shade_diffuse(&self.baked, &light),
             Shading::Glossy => {
-                // As many bands on both sides: what is above the used ones is 0.
-                let light =
-                    if used < of_bake { Cow::Owned(light.resized(of_bake)) } else { Cow::Borrowed(&light) };
-                shade_glossy(baked, &light, &look.material, look.eye)
+                shade_glossy(&self.baked, &self.of_all_bands(&light), &look.material, look.eye)?
             }
-            _ => Ok(shade_diffuse(baked, &light)),
+            Shading::Adaptive => return self.relight_adaptively(&light, look),
+        };
+        Ok(Lit { radiance, ..Lit::default() })
+    }
+
+    /// As many bands as the transfer: what is above the light's own is 0.
+    fn of_all_bands<'a>(&self, light: &'a LightCoeffs) -> Cow<'a, LightCoeffs> {
+        if light.bands < self.bands() {
+            Cow::Owned(light.resized(self.bands()))
+        } else {
+            Cow::Borrowed(light)
         }
     }
 
-    /// The share's points with the clamped cosine about their normals in the place of what was baked.
-    fn without_shadows(&self) -> Result<Baked> {
-        let bands = self.bands();
-        let normals: Vec<[f32; 3]> =
-            self.baked.points.normals.iter().map(|normal| normal.to_array()).collect();
-        let mut vectors = vec![0.0; normals.len() * bands.coeff_count()];
-        Zonal::<f32>::clamped_cosine(bands).rotate_batch(&normals, &mut vectors)?;
-        let mut open = self.baked.clone();
-        open.transfer.vectors = vectors;
-        open.transfer.bounced = None;
-        open.transfer.visibility = None;
-        Ok(open)
+    /// With the clamped cosine about each normal in the place of what was baked.
+    fn relight_unshadowed(&mut self, light: &LightCoeffs) -> Result<Vec<Vec3>> {
+        let mut vectors = match self.unshadowed.take() {
+            Some(vectors) => vectors,
+            None => {
+                let normals: Vec<[f32; 3]> = self.baked.points.normals.iter().map(|n| n.to_array()).collect();
+                let mut vectors = vec![0.0; self.baked.transfer.vectors.len()];
+                Zonal::<f32>::clamped_cosine(self.bands()).rotate_batch(&normals, &mut vectors)?;
+                vectors
+            }
+        };
+        let transfer = &mut self.baked.transfer;
+        let bounced = transfer.bounced.take();
+        swap(&mut transfer.vectors, &mut vectors);
+        let radiance = shade_diffuse(&self.baked, light);
+        let transfer = &mut self.baked.transfer;
+        swap(&mut transfer.vectors, &mut vectors);
+        transfer.bounced = bounced;
+        self.unshadowed = Some(vectors);
+        Ok(radiance)
+    }
+
+    fn relight_adaptively(&mut self, light: &LightCoeffs, look: &Look) -> Result<Lit> {
+        if !self.is_whole {
+            return Err(Error::Request("adaptive shading is of whole scenes".to_owned()));
+        }
+        let settings = AdaptiveSettings::PAPER;
+        // Thresholds are of what is shown.
+        let thresholds = settings.thresholds.scaled(1.0 / look.gain);
+        let settings = AdaptiveSettings { thresholds, ..settings };
+        let band_count = self.bands().count();
+        let light = GlossyLight::with_way(&self.of_all_bands(light), self.bands(), settings.light_way())?;
+        let baked = &self.baked;
+        let scene = self.adaptive.get_or_insert_with(|| AdaptiveScene::owning(baked.clone()));
+        let frame = shade_adaptive(scene, &light, &look.material, look.eye, &settings)?;
+        Ok(Lit {
+            radiance: frame.radiance(),
+            reach: frame.reach(settings.base_bands, band_count),
+            filtered: Some([&frame.diffuse, &frame.specular].map(|region| region.filtered_share(band_count))),
+        })
     }
 }

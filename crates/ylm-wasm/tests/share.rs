@@ -6,9 +6,11 @@ use ylm_prt::format::write_baked;
 use ylm_prt::image::{Decoded, Image};
 use ylm_prt::light::{Light, LightCoeffs, Probe};
 use ylm_prt::scene::{Blockers, Bvh, LightingPoints, demo};
-use ylm_prt::shade::{GlossyMaterial, shade_diffuse, shade_glossy};
+use ylm_prt::shade::{
+    AdaptiveScene, AdaptiveSettings, GlossyLight, GlossyMaterial, shade_adaptive, shade_diffuse, shade_glossy,
+};
 use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, BounceEnd, Bounces, TransferKind, bake};
-use ylm_wasm::{Look, Shading, Share, Sky};
+use ylm_wasm::{Lamp, Look, Shading, Share, band_energies, picture_of_bands};
 
 const SUN: &str = "sky:clear?sun=35,120+disc?dir=1,1,0&angle=20&color=1,0.6,0.2";
 
@@ -40,7 +42,14 @@ fn light() -> LightCoeffs {
 
 fn look(shading: Shading) -> Look {
     let rotation = Quat::from_rotation_y(0.7) * Quat::from_rotation_x(0.4);
-    Look { shading, bands: 4, rotation, material: GlossyMaterial::default(), eye: Vec3::new(1.0, 2.0, 5.0) }
+    Look {
+        shading,
+        bands: 4,
+        rotation,
+        material: GlossyMaterial::default(),
+        eye: Vec3::new(1.0, 2.0, 5.0),
+        gain: 2.0,
+    }
 }
 
 /// What three workers give together, one after the other.
@@ -48,7 +57,7 @@ fn relit(bytes: &[u8], look: &Look) -> Vec<Vec3> {
     let part = |part| {
         let mut share = Share::open(bytes, "room.safetensors", part, 3).unwrap();
         share.set_light(light());
-        share.relight(look).unwrap()
+        share.relight(look).unwrap().radiance
     };
     (0..3).flat_map(part).collect()
 }
@@ -114,25 +123,89 @@ fn what_is_no_baked_scene_is_refused_in_one_line_with_its_name() {
 }
 
 #[test]
-fn the_picture_of_a_light_is_the_light_seen_as_a_probe() {
-    let sky = Sky::of_words(SUN).unwrap();
-    let (width, height) = (32, 16);
-    let pixels = sky.picture(width, height).iter().map(|radiance| radiance.to_array()).collect();
-    let decoded = Decoded { image: Image { width, height, pixels }, projection: None, repaired: 0 };
-    let probe = Probe::new(decoded, None).unwrap();
-    let light = Light::parse(SUN).unwrap();
+fn adaptive_shading_is_that_of_the_desktop_and_needs_the_whole_scene() {
+    let baked = room(TransferKind::Interreflected);
+    let bytes = bytes(&baked);
+    let look = look(Shading::Adaptive);
+    let light = light().rotated(look.rotation).unwrap();
+    let settings = AdaptiveSettings::PAPER;
+    let settings = AdaptiveSettings { thresholds: settings.thresholds.scaled(1.0 / look.gain), ..settings };
+    let light = GlossyLight::with_way(&light, bands(4), settings.light_way()).unwrap();
+    let frame =
+        shade_adaptive(&AdaptiveScene::new(&baked), &light, &look.material, look.eye, &settings).unwrap();
+    let mut whole = Share::open(&bytes, "room.safetensors", 0, 1).unwrap();
+    whole.set_light(self::light());
+    for _ in 0..2 {
+        let lit = whole.relight(&look).unwrap();
+        assert_eq!(lit.radiance, frame.radiance());
+        assert_eq!(lit.reach, frame.reach(settings.base_bands, 4));
+        assert!(lit.filtered.unwrap().iter().all(|part| (0.0..=1.0).contains(part)));
+    }
+    let error =
+        Share::open(&bytes, "room.safetensors", 0, 2).unwrap().relight(&look).unwrap_err().to_string();
+    assert!(error.contains("whole scenes"), "{error}");
+}
+
+/// The bytes of a probe that shows `light`.
+fn probe_bytes(light: &Light, width: usize, height: usize) -> Vec<u8> {
+    let mut lamp = Lamp::new(bands(2));
+    lamp.set(SUN, 1.0).unwrap();
+    let pixels = lamp.picture(width, height).iter().map(|radiance| radiance.to_array()).collect();
+    let image = Image { width, height, pixels };
+    let probe = Probe::new(Decoded { image: image.clone(), projection: None, repaired: 0 }, None).unwrap();
     for texel in 0..width * height {
         let middle = probe.grid().direction(texel % width, texel / width).unwrap();
         let direction = Vec3::from_array(middle.map(|x| x as f32));
         assert!((probe.radiance(direction) - light.radiance(direction)).length() <= 1e-5, "{texel}");
     }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("probe.exr");
+    image.write_exr(&path).unwrap();
+    std::fs::read(path).unwrap()
 }
 
 #[test]
-fn lights_that_stand_somewhere_and_words_that_mean_nothing_are_refused() {
-    let refusal = |words| Sky::of_words(words).expect_err("refused").to_string();
-    assert!(refusal("sphere?pos=0,2,0&radius=0.5").contains("far away"));
-    assert!(refusal("sky:purple").contains("sky:purple"));
-    let error = Sky::of_picture(b"\x89PNG\r\n", "probe.png").expect_err("refused").to_string();
+fn the_picture_of_a_light_is_the_light_seen_as_a_probe() {
+    probe_bytes(&Light::parse(SUN).unwrap(), 32, 16);
+}
+
+#[test]
+fn a_probe_and_words_shine_together() {
+    let light = Light::parse(SUN).unwrap();
+    let bytes = probe_bytes(&light, 64, 32);
+    let mut lamp = Lamp::new(bands(4));
+    assert!(lamp.coeffs().channels.iter().flatten().all(|c| *c == 0.0), "dark at first");
+    lamp.open_probe(&bytes, "probe.exr").unwrap();
+    let (mut probe, mut both) = (lamp.coeffs(), LightCoeffs::zero(bands(4)));
+    lamp.set("white?intensity=0.5", 3.0).unwrap();
+    probe.channels.iter_mut().flatten().for_each(|c| *c *= 3.0);
+    both.add(&probe);
+    both.add(&Light::parse("white?intensity=0.5").unwrap().project(bands(4)).unwrap());
+    for (found, expected) in lamp.coeffs().channels.iter().flatten().zip(both.channels.iter().flatten()) {
+        assert!((found - expected).abs() <= 1e-5 * probe.channels[0][0], "{found} {expected}");
+    }
+    let direction = Vec3::new(0.0, 1.0, 0.0);
+    let picture = lamp.picture(64, 32);
+    assert!((picture[0] - (3.0 * light.radiance(direction) + 0.5)).length() <= 0.2 * picture[0].length());
+    // The root of all energy is the norm, and what the bands hold is near the picture's mean.
+    let energies = band_energies(&both);
+    let norm: f32 = both.channels.iter().flatten().map(|c| c * c).sum();
+    assert!((energies.iter().map(|e| e * e).sum::<f32>() - norm).abs() <= 1e-5 * norm);
+    let first = picture_of_bands(both.resized(bands(1)), 4, 2);
+    assert!((first[3] - both.mean_radiance()).length() <= 1e-5 * first[3].length());
+}
+
+#[test]
+fn what_is_no_light_is_refused_and_the_lamp_stays_as_it_was() {
+    let mut lamp = Lamp::new(bands(3));
+    lamp.set(SUN, 1.0).unwrap();
+    let before = lamp.coeffs();
+    let refusal = |error: ylm_prt::Error| error.to_string();
+    assert!(refusal(lamp.set("sphere?pos=0,2,0&radius=0.5", 1.0).unwrap_err()).contains("far away"));
+    assert!(refusal(lamp.set("sky:purple", 1.0).unwrap_err()).contains("sky:purple"));
+    let error = refusal(lamp.open_probe(b"\x89PNG\r\n", "probe.png").unwrap_err());
     assert!(error.starts_with("probe.png: ") && error.contains("PNG"), "{error}");
+    assert_eq!(lamp.coeffs(), before);
+    lamp.set("", 1.0).unwrap();
+    assert_eq!(lamp.coeffs(), LightCoeffs::zero(bands(3)));
 }
