@@ -3,7 +3,7 @@
 #   make test    every test, formatting and lints
 #   make bench   every table of docs/results, minutes to hours
 #   make lint    formatting and lints alone
-# For the Python package besides: make python, make sdist, make torch.
+# For the Python package besides: make python, make sdist, make torch; for the page of `ylm view`: make web, make viewer.
 
 CARGO ?= cargo
 PYTHON ?= python3
@@ -14,14 +14,15 @@ TORCH_VENV := python/.venv-torch
 # Where torch's wheels for CPUs are; those of PyPI are ten times as large.
 TORCH_INDEX ?= https://download.pytorch.org/whl/cpu
 
-.PHONY: demo test bench lint tables python sdist torch
+.PHONY: demo test bench lint tables python sdist torch web viewer browser
 
 demo:
 	$(CARGO) run --release --locked -p ylm-cli -- demo --out demo
 
-test: lint tables $(PYTHON_VENV)/ready
+test: lint tables $(PYTHON_VENV)/ready web/node_modules/ready browser
 	$(CARGO) test --locked --workspace
 	$(TEST_PYTHON)
+	$(TEST_VIEWER)
 
 bench:
 	$(CARGO) build --release --locked -p ylm-bench
@@ -60,6 +61,23 @@ $(TORCH_VENV)/ready:
 	$(@D)/bin/pip install --quiet 'numpy>=1.22' pytest
 	touch $@
 
+# The page of `ylm view`, which the binary embeds, built anew from web/ and crate ylm-wasm.
+web: $(VENV)/ready
+	$(VENV)/bin/python tools/build_page.py
+
+# The page's own tests, in a browser without a screen.
+viewer: web/node_modules/ready browser
+	$(CARGO) build --locked -p ylm-cli
+	$(TEST_VIEWER)
+
+web/node_modules/ready: web/package-lock.json
+	cd web && npm ci --no-audit --no-fund --silent
+	touch $@
+
+# What runs shaders and pages in tests; YLM_CHROMIUM names another.
+browser:
+	@command -v $${YLM_CHROMIUM:-chromium} >/dev/null || { apt-get update -qq && apt-get install -y -qq --no-install-recommends chromium; }
+
 lint:
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
@@ -89,4 +107,9 @@ define TEST_PYTHON
 	cd python && .venv/bin/mypy && .venv/bin/python -m mypy.stubtest ylm._native
 	cd python && .venv/bin/basedpyright --pythonpath .venv/bin/python --level error
 	cd python && .venv/bin/python -m pytest
+endef
+
+define TEST_VIEWER
+	cd web && npx tsc --noEmit --project tests
+	ylm=$$(realpath $${CARGO_TARGET_DIR:-target})/debug/ylm && cd web && YLM=$$ylm npx vitest run
 endef

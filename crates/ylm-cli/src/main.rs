@@ -21,6 +21,7 @@ mod shading;
 mod source;
 mod spin;
 mod view;
+mod viewer;
 mod window;
 
 use std::process::ExitCode;
@@ -48,6 +49,7 @@ enum Verb {
     Scene(scene::Arguments),
     Light(light::Arguments),
     Render(Box<render::Arguments>),
+    View(viewer::Arguments),
     Compare(compare::Arguments),
     Plot(plot::Arguments),
     Info(info::Arguments),
@@ -58,7 +60,8 @@ const AFTER_HELP: &str = "\
 Start here:
   ylm demo                                                  a built-in scene, with a report in HTML
   ylm bake model.obj -o model.safetensors                   transfer of your mesh
-  ylm render model.safetensors --light probe.hdr -o a.png   a picture under your probe";
+  ylm render model.safetensors --light probe.hdr -o a.png   a picture under your probe
+  ylm view model.safetensors --open                         the same in the browser, to play with";
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
@@ -82,6 +85,7 @@ fn main() -> ExitCode {
         Verb::Scene(arguments) => scene::run(arguments, &output),
         Verb::Light(arguments) => light::run(arguments, &output),
         Verb::Render(arguments) => render::run(arguments, &output),
+        Verb::View(arguments) => viewer::run(arguments, &output),
         Verb::Compare(arguments) => compare::run(arguments, &output),
         Verb::Plot(arguments) => plot::run(arguments, &output),
         Verb::Info(arguments) => info::run(arguments, &output),

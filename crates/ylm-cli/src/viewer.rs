@@ -1,0 +1,180 @@
+//! `ylm view`: a baked scene in the browser, served to this machine alone.
+//!
+//! The page is part of the program. The server answers `GET` of a fixed list of names and never makes a path of what it is
+//! asked for; it is bound to 127.0.0.1, and refuses requests that call it by another name, so that no web page can reach it
+//! through a name of its own.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::json;
+use tiny_http::{Header, Method, Request, Response, Server, StatusCode};
+use ylm_prt::error::{Error, Result};
+use ylm_prt::format::read_baked;
+use ylm_prt::image::{Decoded, ReadOptions};
+use ylm_prt::light::{Light, Probe};
+
+use crate::options;
+use crate::output::{Output, path_value};
+
+/// Look at a baked scene in the browser, and light it there
+#[derive(clap::Args)]
+#[command(after_help = HELP)]
+pub struct Arguments {
+    /// A file that `ylm bake` wrote
+    baked: PathBuf,
+    /// The light to begin with: one probe, or formulas joined by +
+    #[arg(long, value_name = "LIGHT", default_value = DEFAULT_LIGHT)]
+    light: String,
+    /// Port to listen on; one that is free if none is given
+    #[arg(long, value_name = "P", default_value_t = 0, hide_default_value = true)]
+    port: u16,
+    /// Open the browser
+    #[arg(long)]
+    open: bool,
+}
+
+const DEFAULT_LIGHT: &str = "sky:clear?sun=40,60";
+
+const HELP: &str = "\
+The page is served to this machine alone, until Ctrl-C. Baked files and probes can also be dropped onto it.
+
+Examples:
+  ylm view bunny.safetensors --open
+  ylm view bunny.safetensors --light probe.hdr --port 8000";
+
+/// The page: name, type, content. `make web` writes them from `web/`.
+const PAGE: &[(&str, &str, &[u8])] = &[
+    ("/", "text/html; charset=utf-8", include_bytes!("../page/index.html")),
+    ("/viewer.js", "text/javascript; charset=utf-8", include_bytes!("../page/viewer.js")),
+    ("/viewer.css", "text/css; charset=utf-8", include_bytes!("../page/viewer.css")),
+    ("/worker.js", "text/javascript; charset=utf-8", include_bytes!("../page/worker.js")),
+    ("/ylm_bg.wasm", "application/wasm", include_bytes!("../page/ylm_bg.wasm")),
+];
+
+/// Scripts and workers of this origin alone; nothing is loaded from elsewhere.
+const POLICY: &str = "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; \
+     style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; connect-src 'self' blob:";
+
+/// What is served besides the page.
+struct Given<'a> {
+    baked: &'a Path,
+    probe: Option<&'a Path>,
+    /// The words of a light that is no file.
+    words: &'a str,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
+    // Read here as well, so that what is wrong is said where the command was given.
+    read_baked(&arguments.baked)?;
+    let given = Given::new(&arguments.baked, &arguments.light)?;
+    let server = Server::http(("127.0.0.1", arguments.port)).map_err(|fault| {
+        Error::Request(format!("port {} of 127.0.0.1: {fault}; give another --port", arguments.port))
+    })?;
+    let port = server.server_addr().to_ip().map_or(arguments.port, |address| address.port());
+    let address = format!("http://127.0.0.1:{port}/");
+    output.result(
+        &format!("{}: {address}\nCtrl-C ends.\n", arguments.baked.display()),
+        &json!({ "baked": path_value(&arguments.baked), "light": arguments.light, "address": address }),
+    );
+    if arguments.open {
+        open_browser(&address, output);
+    }
+    for request in server.incoming_requests() {
+        // A browser that went away in the middle of an answer is no fault of ours.
+        let _ = answer(request, port, &given);
+    }
+    Ok(())
+}
+
+impl<'a> Given<'a> {
+    fn new(baked: &'a Path, light: &'a str) -> Result<Self> {
+        let path = Path::new(light);
+        if path.is_file() && !options::has_extension(path, "json") {
+            Probe::new(Decoded::open(path, &ReadOptions::RADIANCE)?, None)
+                .map_err(|fault| Error::file(path, fault))?;
+            return Ok(Self { baked, probe: Some(path), words: "" });
+        }
+        let parsed = Light::parse(light)?;
+        let names_file = light.split(['+', '?']).any(|word| Path::new(word).is_file());
+        if names_file {
+            return Err(Error::Request(format!(
+                "{light}: the viewer begins with one probe, or with formulas"
+            )));
+        }
+        if parsed.is_local() {
+            return Err(Error::Request(format!(
+                "{light}: a light that stands somewhere; the viewer has those from far away"
+            )));
+        }
+        Ok(Self { baked, probe: None, words: light })
+    }
+
+    /// What the page asks for first.
+    fn description(&self) -> String {
+        let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
+        json!({ "name": name(self.baked), "probe": self.probe.and_then(name), "light": self.words })
+            .to_string()
+    }
+}
+
+/// Answers one request.
+fn answer(request: Request, port: u16, given: &Given) -> std::io::Result<()> {
+    let refuse = |request: Request, status: u16, text: &str| {
+        request.respond(Response::from_string(text).with_status_code(StatusCode(status)))
+    };
+    if !names_this_machine(&request, port) {
+        return refuse(request, 403, "this address is for 127.0.0.1 alone\n");
+    }
+    if !matches!(request.method(), Method::Get | Method::Head) {
+        return refuse(request, 405, "only GET\n");
+    }
+    let path = request.url().split(['?', '#']).next().unwrap_or_default().to_owned();
+    if let Some((_, kind, content)) = PAGE.iter().find(|(name, ..)| *name == path) {
+        let response = Response::from_data(*content).with_header(header("Content-Type", kind));
+        return request.respond(response.with_header(header("Content-Security-Policy", POLICY)));
+    }
+    let file = match (path.as_str(), given.probe) {
+        ("/view.json", _) => {
+            let response = Response::from_string(given.description());
+            return request.respond(response.with_header(header("Content-Type", "application/json")));
+        }
+        ("/scene", _) => given.baked,
+        ("/probe", Some(probe)) => probe,
+        _ => return refuse(request, 404, "there is nothing of this name\n"),
+    };
+    match File::open(file) {
+        Ok(file) => {
+            let response =
+                Response::from_file(file).with_header(header("Content-Type", "application/octet-stream"));
+            request.respond(response.with_header(header("Cache-Control", "no-store")))
+        }
+        Err(fault) => refuse(request, 500, &format!("{}: {fault}\n", file.display())),
+    }
+}
+
+/// Whether a request calls this server by its own address.
+fn names_this_machine(request: &Request, port: u16) -> bool {
+    let host = request.headers().iter().find(|header| header.field.equiv("Host"));
+    let host = host.map(|header| header.value.as_str().to_ascii_lowercase());
+    host.is_some_and(|host| [format!("127.0.0.1:{port}"), format!("localhost:{port}")].contains(&host))
+}
+
+fn header(field: &str, value: &str) -> Header {
+    Header::from_bytes(field, value).expect("plain text")
+}
+
+/// Opens the browser; where none can be, the address that was printed has to do.
+fn open_browser(address: &str, output: &Output) {
+    let program = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
+    let started = if cfg!(windows) {
+        Command::new("cmd").args(["/C", "start", "", address]).spawn()
+    } else {
+        Command::new(program).arg(address).spawn()
+    };
+    if let Err(fault) = started {
+        output.warn(&format!("no browser could be opened ({program}: {fault})"));
+    }
+}

@@ -1,0 +1,104 @@
+//! The server of `ylm view`: what it gives, and all that it refuses.
+
+mod place;
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, Command, Stdio};
+
+use place::Place;
+
+/// `ylm view` of a baked cube, ended with this.
+struct Viewer {
+    child: Child,
+    port: u16,
+    place: Place,
+}
+
+impl Drop for Viewer {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Viewer {
+    fn new() -> Self {
+        let place = Place::new();
+        place.json("bake cube.obj -o cube.safetensors --bands 3 --rays 16");
+        let mut child = Command::new(env!("CARGO_BIN_EXE_ylm"))
+            .args(["view", "cube.safetensors", "--light", "sky:overcast", "--json"])
+            .current_dir(place.path(""))
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let told: serde_json::Value = serde_json::from_str(&line).unwrap();
+        let address = told["address"].as_str().unwrap();
+        let port = address.strip_prefix("http://127.0.0.1:").unwrap().trim_end_matches('/').parse().unwrap();
+        Self { child, port, place }
+    }
+
+    /// The status and the body of a request written by hand, so that no client tidies up its path.
+    fn ask(&self, method: &str, path: &str, host: &str) -> (u16, Vec<u8>) {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
+        write!(stream, "{method} {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").unwrap();
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).unwrap();
+        let end = answer.windows(4).position(|bytes| bytes == b"\r\n\r\n").unwrap();
+        let head = String::from_utf8(answer[..end].to_vec()).unwrap();
+        (head.split(' ').nth(1).unwrap().parse().unwrap(), answer[end + 4..].to_vec())
+    }
+
+    fn get(&self, path: &str) -> (u16, Vec<u8>) {
+        self.ask("GET", path, &format!("127.0.0.1:{}", self.port))
+    }
+}
+
+#[test]
+fn the_page_and_the_given_file_are_served_and_nothing_else() {
+    let viewer = Viewer::new();
+    let (status, page) = viewer.get("/");
+    assert!(status == 200 && String::from_utf8(page).unwrap().contains("<canvas"));
+    let baked = fs::read(viewer.place.path("cube.safetensors")).unwrap();
+    assert_eq!(viewer.get("/scene"), (200, baked));
+    let told: serde_json::Value = serde_json::from_slice(&viewer.get("/view.json").1).unwrap();
+    assert_eq!((&told["name"], &told["light"]), (&"cube.safetensors".into(), &"sky:overcast".into()));
+    for path in
+        ["/cube.obj", "/../cube.obj", "/scene/../cube.obj", "/%2e%2e/cube.obj", "//etc/passwd", "/probe"]
+    {
+        assert_eq!(viewer.get(path).0, 404, "{path}");
+    }
+    assert_eq!(viewer.ask("POST", "/scene", &format!("127.0.0.1:{}", viewer.port)).0, 405);
+}
+
+#[test]
+fn requests_by_another_name_are_refused() {
+    let viewer = Viewer::new();
+    assert_eq!(viewer.ask("GET", "/scene", &format!("localhost:{}", viewer.port)).0, 200);
+    for host in ["evil.example", "127.0.0.1", &format!("evil.example:{}", viewer.port), "127.0.0.1:1"] {
+        assert_eq!(viewer.ask("GET", "/scene", host).0, 403, "{host}");
+    }
+}
+
+#[test]
+fn what_cannot_be_shown_is_refused_before_anything_is_served() {
+    let place = Place::new();
+    place.json("bake cube.obj -o cube.safetensors --bands 3 --rays 16");
+    for (arguments, expected) in [
+        ("view cube.obj", "cube.obj: "),
+        ("view cube.safetensors --light sphere?pos=0,2,0&radius=0.5", "far away"),
+        ("view cube.safetensors --light sky:purple", "sky:purple"),
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_ylm"))
+            .args(arguments.split(' '))
+            .current_dir(place.path(""))
+            .output()
+            .unwrap();
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{error}");
+        assert!(error.contains(expected) && error.trim_end().lines().count() == 1, "{error}");
+    }
+}

@@ -1,0 +1,68 @@
+/** What the page asks of its workers, and what they answer. */
+
+/** What a frame is lit by, and how. */
+export interface Look {
+  shading: string;
+  bands: number;
+  /** Turns the light: [x, y, z, w]. */
+  rotation: [number, number, number, number];
+  /** Diffuse, specular, shininess. */
+  material: [number, number, number];
+  eye: [number, number, number];
+  /** What one unit of radiance is shown as. */
+  gain: number;
+}
+
+/** A file in memory. */
+export interface Bytes {
+  name: string;
+  bytes: ArrayBuffer;
+}
+
+/** All points of a scene, and what was baked. */
+export interface Geometry {
+  positions: Float32Array<ArrayBuffer>;
+  triangles: Uint32Array<ArrayBuffer>;
+  bands: number;
+  transfer: string;
+}
+
+/** A light as the page shows it. */
+export interface Lamp {
+  /** [channel, n²]. */
+  coeffs: Float32Array<ArrayBuffer>;
+  energies: Float32Array<ArrayBuffer>;
+  meanRadiance: [number, number, number];
+  /** Lat-long radiance, [width / 2, width, 3]. */
+  picture: Float32Array<ArrayBuffer>;
+}
+
+/** What comes of a frame. */
+export interface Lit {
+  /** [point, 3]. */
+  radiance: Float32Array<ArrayBuffer>;
+  /** How far each point was computed, 0 to 1; empty unless adaptive. */
+  reach: Float32Array<ArrayBuffer>;
+  /** Parts of the points that the filter spared, diffuse and specular; empty unless adaptive. */
+  filtered: number[];
+  milliseconds: number;
+}
+
+/** Questions by name, each with its answer. */
+export interface Calls {
+  /** Opens part `part` of `partCount` of a baked file; the geometry comes from part 0. */
+  open: { ask: Bytes & { part: number; partCount: number }; answer: Geometry };
+  /** The eye that has all of the scene in view. */
+  fit: { ask: { azimuth: number; elevation: number; aspect: number }; answer: [number, number, number] };
+  /** Takes a probe beside which the words shine. */
+  probe: { ask: Bytes; answer: null };
+  /** Makes the light; `pictureBands` above 0 for a picture of what so many bands hold. */
+  lamp: { ask: { words: string; probeGain: number; pictureWidth: number; pictureBands: number }; answer: Lamp };
+  /** Lights the scene by coefficients from now on. */
+  light: { ask: Float32Array; answer: null };
+  relight: { ask: Look; answer: Lit };
+}
+
+export type Kind = keyof Calls;
+export type Question = { [K in Kind]: { kind: K; ask: Calls[K]['ask'] } }[Kind];
+export type Answer = { answer: Calls[Kind]['answer'] } | { fault: string };

@@ -1,0 +1,95 @@
+/** Workers that light a scene together, each its share of the points. */
+import type { Answer, Bytes, Calls, Geometry, Kind, Lamp, Lit, Look, Question } from './messages';
+
+/** A worker whose questions are answered in order. */
+class Hand {
+  private readonly worker = new Worker(new URL('./worker.ts', import.meta.url), { type: 'module' });
+  private readonly waiting: ((answer: Answer) => void)[] = [];
+
+  constructor() {
+    this.worker.onmessage = (event: MessageEvent<Answer>) => this.waiting.shift()?.(event.data);
+    // A worker that cannot go on answers nothing more.
+    this.worker.onerror = (event) => {
+      for (const answer of this.waiting.splice(0)) answer({ fault: event.message || 'the worker stopped' });
+    };
+  }
+
+  async ask<K extends Kind>(kind: K, ask: Calls[K]['ask']): Promise<Calls[K]['answer']> {
+    const answer = await new Promise<Answer>((resolve) => {
+      this.waiting.push(resolve);
+      this.worker.postMessage({ kind, ask } as Question);
+    });
+    if ('fault' in answer) throw new Error(answer.fault);
+    return answer.answer as Calls[K]['answer'];
+  }
+
+  end() {
+    this.worker.terminate();
+  }
+}
+
+export class Pool {
+  private readonly hands: Hand[];
+  /** Has the whole scene, for shading that looks at neighbours; started when first asked. */
+  private whole: Promise<Hand> | null = null;
+  private file: Bytes | null = null;
+  private coeffs = new Float32Array();
+
+  constructor(count: number) {
+    this.hands = Array.from({ length: count }, () => new Hand());
+  }
+
+  /** Opens a baked file in every worker. */
+  async open(file: Bytes): Promise<Geometry> {
+    this.file = file;
+    const opened = this.hands.map((hand, part) => hand.ask('open', { ...file, part, partCount: this.hands.length }));
+    return (await Promise.all(opened))[0]!;
+  }
+
+  /** The eye that has all of the scene in view, as `ylm render` places it. */
+  fit(azimuth: number, elevation: number, aspect: number) {
+    return this.hands[0]!.ask('fit', { azimuth, elevation, aspect });
+  }
+
+  /** Takes a probe; what shines stays as it is until the next `light`. */
+  async probe(file: Bytes) {
+    await this.hands[0]!.ask('probe', file);
+  }
+
+  /** Lights the scene by words and so many times the probe. */
+  async light(ask: Calls['lamp']['ask']): Promise<Lamp> {
+    const lamp = await this.hands[0]!.ask('lamp', ask);
+    this.coeffs = lamp.coeffs;
+    const hands = this.whole ? [...this.hands, await this.whole] : this.hands;
+    await Promise.all(hands.map((hand) => hand.ask('light', lamp.coeffs)));
+    return lamp;
+  }
+
+  /** Lights all points; the time is that of the slowest worker. */
+  async relight(look: Look): Promise<Lit> {
+    if (look.shading === 'adaptive') {
+      this.whole ??= this.hire();
+      return (await this.whole).ask('relight', look);
+    }
+    const parts = await Promise.all(this.hands.map((hand) => hand.ask('relight', look)));
+    const radiance = new Float32Array(parts.reduce((sum, part) => sum + part.radiance.length, 0));
+    let start = 0;
+    for (const part of parts) {
+      radiance.set(part.radiance, start);
+      start += part.radiance.length;
+    }
+    return { radiance, reach: new Float32Array(), filtered: [], milliseconds: Math.max(...parts.map((part) => part.milliseconds)) };
+  }
+
+  private async hire(): Promise<Hand> {
+    const hand = new Hand();
+    await hand.ask('open', { ...this.file!, part: 0, partCount: 1 });
+    await hand.ask('light', this.coeffs);
+    return hand;
+  }
+
+  end() {
+    for (const hand of this.hands) hand.end();
+    void this.whole?.then((hand) => hand.end());
+  }
+}

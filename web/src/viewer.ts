@@ -1,0 +1,205 @@
+/** A baked scene and its light: what is asked of the workers when, and what is drawn of the answers. */
+import { Euler, Quaternion } from 'three';
+import { probeGainOf, wordsOf } from './light';
+import type { Bytes, Geometry, Lamp, Lit, Look } from './messages';
+import { Navigation } from './navigation';
+import { Pool } from './pool';
+import { Stage, type Shown } from './stage';
+import type { State } from './state';
+
+const WORKER_COUNT = 2;
+/** Texels across the picture of the light. */
+const SKY_WIDTH = 512;
+/** `ylm render`'s automatic exposure: a white surface that sees all of the light shows as this. */
+const AUTO_LEVEL = 0.5;
+const RADIANS = Math.PI / 180;
+
+/** What a change of the state asks for: another light, another frame, or the same frame drawn anew. */
+export type Change = 'light' | 'frame' | 'picture';
+
+/** What the page is told of each frame. */
+export interface Report {
+  lit: Lit[];
+  milliseconds: number;
+}
+
+export class Viewer {
+  geometry: Geometry | null = null;
+  probe: Bytes | null = null;
+  lamp: Lamp | null = null;
+  readonly navigation: Navigation;
+  onLight = () => {};
+  onFrame: (report: Report) => void = () => {};
+  onFault: (fault: unknown) => void = () => {};
+  private readonly stage: Stage;
+  private pool: Pool | null = null;
+  // One question at a time; what changes meanwhile is asked for once the answer is there.
+  private readonly stale = { light: false, frame: false };
+  private isBusy = false;
+
+  constructor(private readonly state: State, private readonly canvas: HTMLCanvasElement) {
+    this.stage = new Stage(canvas);
+    this.navigation = new Navigation(this.stage.camera, canvas);
+    new ResizeObserver(() => {
+      if (this.stage.resize()) this.draw();
+    }).observe(canvas.parentElement!);
+  }
+
+  /** The shading of a name for this bake; what was not baked is as near to it as there is. */
+  shadingOf(name: string): string {
+    const baked = this.geometry?.transfer ?? 'shadowed';
+    const order = ['unshadowed', 'shadowed', 'interreflected'];
+    if (name === 'glossy' || name === 'adaptive') return name;
+    const wanted = order.indexOf(name);
+    return order[Math.min(wanted < 0 ? 2 : wanted, order.indexOf(baked))]!;
+  }
+
+  /** Bands that are used. */
+  get bands(): number {
+    return Math.max(1, Math.min(Math.round(this.state.bands), this.geometry?.bands ?? 1));
+  }
+
+  /** Stops of exposure. */
+  get exposure(): number {
+    const [r, g, b] = this.lamp?.meanRadiance ?? [0, 0, 0];
+    const luminance = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    if (!this.state.auto) return this.state.exposure;
+    return luminance > 0 ? Math.log2(AUTO_LEVEL / luminance) : 0;
+  }
+
+  /** Opens a baked file; what is shown stays if it is none. */
+  async openScene(file: Bytes) {
+    const next = new Pool(WORKER_COUNT);
+    try {
+      const geometry = await next.open(file);
+      if (this.probe) await next.probe(this.probe);
+      // A frame that is being made is finished by those who began it.
+      while (this.isBusy) await new Promise((resolve) => setTimeout(resolve, 5));
+      this.pool?.end();
+      [this.pool, this.geometry] = [next, geometry];
+    } catch (fault) {
+      next.end();
+      throw fault;
+    }
+    this.stage.setGeometry(this.geometry.positions, this.geometry.triangles);
+    this.stage.resize();
+    const place = this.state.eye.split(',').map(Number);
+    if (place.length === 6 && place.every(Number.isFinite)) this.navigation.place(place);
+    else await this.seeAll();
+    this.changed('light');
+  }
+
+  /** Takes a probe; the light stays if it is none. */
+  async openProbe(file: Bytes) {
+    if (!this.pool) throw new Error(`${file.name}: open a baked file first, then drop a probe to light it`);
+    await this.pool.probe(file);
+    this.probe = file;
+  }
+
+  /** Puts all of the scene in view. */
+  async seeAll() {
+    if (!this.pool) return;
+    const [azimuth, elevation] = [30, 18];
+    const eye = await this.pool.fit(azimuth, elevation, this.stage.camera.aspect);
+    this.navigation.look(eye, azimuth, elevation, this.stage.center);
+    this.state.eye = '';
+  }
+
+  changed(what: Change) {
+    if (what === 'picture') return this.draw();
+    this.stale.frame = true;
+    if (what === 'light') this.stale.light = true;
+    void this.work();
+  }
+
+  /** The picture as it is now. */
+  capture(): string {
+    this.draw();
+    return this.canvas.toDataURL('image/png');
+  }
+
+  private get lightRotation(): Quaternion {
+    return new Quaternion().setFromEuler(new Euler(this.state.tilt * RADIANS, this.state.turn * RADIANS, 0, 'YXZ'));
+  }
+
+  private async work() {
+    if (this.isBusy || !this.pool) return;
+    this.isBusy = true;
+    try {
+      while (this.stale.light || this.stale.frame) {
+        if (this.stale.light) {
+          this.stale.light = false;
+          await this.light(this.pool);
+        }
+        this.stale.frame = false;
+        await this.frame(this.pool);
+      }
+    } catch (fault) {
+      this.onFault(fault);
+    } finally {
+      this.isBusy = false;
+    }
+  }
+
+  private async light(pool: Pool) {
+    const { state } = this;
+    this.lamp = await pool.light({
+      words: wordsOf(state),
+      probeGain: this.probe ? probeGainOf(state) : 0,
+      pictureWidth: SKY_WIDTH,
+      pictureBands: state.background === 'bands' ? this.bands : 0,
+    });
+    this.stage.setSky(this.lamp.picture, SKY_WIDTH);
+    this.onLight();
+  }
+
+  private async frame(pool: Pool) {
+    const { state } = this;
+    const start = performance.now();
+    const names = state.against === '' ? [state.shading] : [state.shading, state.against];
+    const lit: Lit[] = [];
+    for (const [side, name] of names.entries()) {
+      const look = this.look(this.shadingOf(name));
+      lit.push(await pool.relight(look));
+      const [numbers, shown] = shownOf(lit[side]!, look, state);
+      this.stage.setRadiance(side as 0 | 1, numbers, shown);
+    }
+    this.draw();
+    this.onFrame({ lit, milliseconds: performance.now() - start });
+  }
+
+  private look(shading: string): Look {
+    const { state } = this;
+    const { x, y, z, w } = this.lightRotation;
+    const { position } = this.stage.camera;
+    return {
+      shading,
+      bands: this.bands,
+      rotation: [x, y, z, w],
+      material: [state.diffuse, state.specular, state.shininess],
+      eye: [position.x, position.y, position.z],
+      gain: 2 ** this.exposure,
+    };
+  }
+
+  private draw() {
+    const { state } = this;
+    this.stage.draw({
+      gain: 2 ** this.exposure,
+      tone: state.tone,
+      lightRotation: this.lightRotation,
+      hasSky: state.background !== 'plain',
+      wipe: state.against === '' ? 1 : state.wipe,
+    });
+  }
+}
+
+/** What is shown of a frame: three numbers a point, and what they stand for. */
+function shownOf(lit: Lit, look: Look, state: State): [Float32Array, Shown] {
+  if (look.shading === 'adaptive' && state.reach) {
+    const numbers = new Float32Array(lit.radiance.length);
+    for (let i = 0; i < lit.reach.length; i++) numbers.fill(lit.reach[i]!, 3 * i, 3 * i + 3);
+    return [numbers, 'reach'];
+  }
+  return [lit.radiance, state.negative ? 'negative' : 'radiance'];
+}

@@ -1,0 +1,52 @@
+/** Not a test: how long a scene takes to relight and to open. YLM_BAKED=FILE npm run measure */
+import { readdirSync, readFileSync, statSync } from 'node:fs';
+import { basename, dirname, join, resolve } from 'node:path';
+import { gzipSync } from 'node:zlib';
+import { test } from 'vitest';
+import { launch, Tab } from './browser';
+import { Server } from './scene';
+
+const FRAMES = 60;
+
+test('measure', async () => {
+  const baked = resolve(process.env['YLM_BAKED'] ?? '');
+  const server = await Server.start(dirname(baked), basename(baked));
+  const browser = await launch();
+  const opening: number[] = [];
+  for (let i = 0; i < 5; i++) {
+    const start = performance.now();
+    const tab = await Tab.open(browser, server.address);
+    await tab.page.waitForFunction(() => document.documentElement.dataset['frames'] !== undefined, undefined, { polling: 10 });
+    opening.push(performance.now() - start);
+    await tab.page.close();
+  }
+  const tab = await Tab.open(browser, server.address);
+  await tab.settled();
+  const middle = (times: number[]) => times.sort((a, b) => a - b)[times.length >> 1]!.toFixed(1);
+  const lines = [`first picture ${middle(opening)} ms after the address is opened, median of ${opening.length}`];
+  for (const shading of ['unshadowed', 'shadowed', 'glossy', 'adaptive']) {
+    await tab.set({ shading });
+    const [relit, drawn]: number[][] = [[], []];
+    for (let i = 0; i < FRAMES; i++) {
+      const before = await tab.frames();
+      await tab.page.evaluate((turn) => {
+        const input = document.getElementById('turn') as HTMLInputElement;
+        input.value = String(turn);
+        input.dispatchEvent(new Event('input', { bubbles: true }));
+      }, i + 1);
+      await tab.page.waitForFunction((last) => Number(document.documentElement.dataset['frames']) > last, before, { polling: 2 });
+      const [, a, b] = /in ([\d.]+) ms, drawn after ([\d.]+) ms/.exec(await tab.page.innerText('#time'))!;
+      relit!.push(Number(a));
+      drawn!.push(Number(b));
+    }
+    lines.push(`${shading}: relit in ${middle(relit!)} ms, drawn after ${middle(drawn!)} ms, medians of ${FRAMES} frames`);
+  }
+  const page = resolve('../crates/ylm-cli/page');
+  const files = readdirSync(page).filter((name) => !name.endsWith('.sha256')).map((name) => join(page, name));
+  const weight = files.reduce((sum, file) => sum + statSync(file).size, 0);
+  const packed = files.reduce((sum, file) => sum + gzipSync(readFileSync(file)).length, 0);
+  lines.push(`page: ${(weight / 1e6).toFixed(2)} MB, ${(packed / 1e6).toFixed(2)} MB by gzip`);
+  console.log([await tab.page.innerText('#shape'), ...lines].join('\n'));
+  await browser.close();
+  server.stop();
+});

@@ -1,0 +1,203 @@
+import { createServer } from 'node:http';
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { extname, join, resolve } from 'node:path';
+import type { AddressInfo } from 'node:net';
+import type { Browser } from 'playwright-core';
+import { afterAll, beforeAll, expect, test } from 'vitest';
+import { launch, Tab } from './browser';
+import { psnr } from './picture';
+import { Place, Server } from './scene';
+
+const LIGHT = 'sky:clear?sun=35,60';
+/** Where screenshots go. */
+const SHOTS = resolve(process.env['YLM_SCREENSHOTS'] ?? '../target/viewer');
+
+let place: Place;
+let server: Server;
+let browser: Browser;
+
+beforeAll(async () => {
+  mkdirSync(SHOTS, { recursive: true });
+  place = new Place();
+  [server, browser] = await Promise.all([Server.start(place.folder, 'ball.safetensors', '--light', LIGHT), launch()]);
+});
+
+afterAll(async () => {
+  await browser?.close();
+  server?.stop();
+  place?.remove();
+});
+
+/** What `ylm render` makes of the same view. */
+function rendered(...words: string[]): Buffer {
+  place.ylm('render', 'ball.safetensors', '-o', 'expected.png', '--size', '800x600', '--camera', '30,18', '--exposure', 'auto', ...words);
+  return readFileSync(place.path('expected.png'));
+}
+
+/** The picture is that of `ylm render`, away from edges. */
+function expectSame(found: Buffer, ...words: string[]) {
+  const { decibels, share } = psnr(found, rendered(...words));
+  expect(decibels).toBeGreaterThanOrEqual(35);
+  expect(share).toBeGreaterThan(0.8);
+}
+
+test('the picture is that of ylm render, whatever the light, the bands and the shading', async () => {
+  const tab = await Tab.open(browser, server.address);
+  await tab.settled();
+  const neutral = ['--tonemap', 'neutral'];
+  expectSame(await tab.picture(), '--light', LIGHT, ...neutral);
+
+  await tab.set({ tone: 'agx', turn: '50' });
+  expectSame(await tab.picture(), '--light', LIGHT, '--light-rotation', '50,0', '--tonemap', 'agx');
+
+  await tab.set({ tone: 'aces', turn: '0', words: '', disc: true, angle: '20', height: '50', discStops: '2' });
+  const height = (50 * Math.PI) / 180;
+  const direction = [0.6 * Math.cos(height), Math.sin(height), 0.8 * Math.cos(height)].join(',');
+  const disc = `disc?dir=${direction}&angle=20&intensity=4`;
+  expectSame(await tab.picture(), '--light', disc, '--tonemap', 'aces');
+
+  await tab.set({ sky: 'overcast', tone: 'reinhard' });
+  expectSame(await tab.picture(), '--light', `sky:overcast+${disc}`, '--tonemap', 'reinhard');
+
+  await tab.set({ bands: '2', tone: 'none', background: 'plain' });
+  expectSame(await tab.picture(), '--light', `sky:overcast+${disc}`, '--light-bands', '2', '--background', 'black');
+
+  await tab.set({ bands: '5', shading: 'glossy', shininess: '12', tone: 'neutral' });
+  expectSame(await tab.picture(), '--light', `sky:overcast+${disc}`, '--shading', 'glossy', '--shininess', '12', '--background', 'black', ...neutral);
+
+  await tab.set({ shading: 'adaptive' });
+  expectSame(await tab.picture(), '--light', `sky:overcast+${disc}`, '--shading', 'adaptive', '--shininess', '12', '--background', 'black', ...neutral);
+  expect(await tab.page.innerText('#spared')).toContain('%');
+  expect(tab.complaints).toEqual([]);
+  await tab.page.close();
+});
+
+test('shadows and bounces can be left out, and wiped against each other', async () => {
+  const tab = await Tab.open(browser, server.address);
+  await tab.settled();
+  const full = await tab.picture();
+  await tab.set({ shading: 'shadowed' });
+  const shadowed = await tab.picture();
+  await tab.set({ shading: 'unshadowed' });
+  const open = await tab.picture();
+  for (const [a, b] of [[full, shadowed], [shadowed, open], [full, open]] as const) expect(psnr(a, b).decibels).toBeLessThan(45);
+  await tab.set({ against: 'interreflected' });
+  const divider = (await tab.page.locator('#divider').boundingBox())!;
+  await tab.page.mouse.move(divider.x + 14, 300);
+  await tab.page.mouse.down();
+  await tab.page.mouse.move(200, 300, { steps: 3 });
+  await tab.page.mouse.up();
+  expect(await tab.page.getAttribute('#divider', 'aria-valuenow')).toBe('25');
+  await tab.page.focus('#divider');
+  for (let i = 0; i < 60; i++) await tab.page.keyboard.press('ArrowLeft');
+  await tab.settled();
+  expect(psnr(await tab.picture(), full).decibels).toBeGreaterThan(35);
+  expect(tab.complaints).toEqual([]);
+  await tab.page.close();
+});
+
+test('what is no baked file, probe or light is told of in one sentence and changes nothing', async () => {
+  const tab = await Tab.open(browser, server.address);
+  await tab.settled();
+  const before = await tab.picture();
+  const whole = readFileSync(place.path('ball.safetensors'));
+  writeFileSync(place.path('damaged.safetensors'), whole.subarray(0, whole.length / 2));
+  writeFileSync(place.path('broken.hdr'), '#?RADIANCE\n\n-Y 4 +X 8\n');
+  for (const [file, said] of [['damaged.safetensors', 'damaged.safetensors: '], ['broken.hdr', 'broken.hdr: '], ['ball.obj', 'ball.obj: ']] as const) {
+    await tab.drop(place.path(file));
+    const message = await tab.message();
+    expect(message).toContain(said);
+    expect(message).not.toContain('\n');
+    await tab.page.click('#dismiss');
+  }
+  expect(await tab.page.innerText('#name')).toBe('ball.safetensors');
+  expect(psnr(await tab.picture(), before).decibels).toBe(Infinity);
+  await tab.set({ words: 'sky:purple' });
+  expect(await tab.message()).toContain('sky:purple');
+  expect(psnr(await tab.picture(), before).decibels).toBe(Infinity);
+  // It goes on from there.
+  await tab.set({ words: LIGHT });
+  expect(psnr(await tab.picture(), before).decibels).toBe(Infinity);
+  expect(tab.complaints).toEqual([]);
+  await tab.page.close();
+});
+
+test('keys and the mouse move the camera and turn the light, and the address keeps it all', async () => {
+  const tab = await Tab.open(browser, server.address);
+  await tab.settled();
+  await tab.page.focus('#view');
+  for (const key of ['ArrowLeft', 'ArrowUp', '+', 'Shift+ArrowRight']) await tab.page.keyboard.press(key);
+  await tab.page.mouse.move(400, 300);
+  await tab.page.mouse.down();
+  await tab.page.mouse.move(440, 310, { steps: 4 });
+  await tab.page.mouse.up();
+  await tab.page.keyboard.down('Shift');
+  await tab.page.mouse.down();
+  await tab.page.mouse.move(500, 310, { steps: 4 });
+  await tab.page.mouse.up();
+  await tab.page.keyboard.up('Shift');
+  await tab.set({ disc: true, exposure: '-1' });
+  expect(await tab.page.isChecked('#auto')).toBe(false);
+  const address = tab.page.url();
+  for (const part of ['turn=35&', 'eye=', 'disc=1', 'auto=0', 'exposure=-1']) expect(address).toContain(part);
+  const again = await Tab.open(browser, address);
+  await again.settled();
+  expect(psnr(await again.picture(), await tab.picture()).decibels).toBeGreaterThan(50);
+  await again.page.click('#all');
+  await again.settled();
+  expect(again.page.url()).not.toContain('eye=');
+  expect([...tab.complaints, ...again.complaints]).toEqual([]);
+  await Promise.all([tab.page.close(), again.page.close()]);
+});
+
+test('it fits a telephone, and any size that follows', async () => {
+  const tab = await Tab.open(browser, server.address, 360, 740);
+  await tab.settled();
+  const wide = () => tab.page.evaluate(() => [document.documentElement.scrollWidth, document.getElementById('panel')!.scrollWidth]);
+  expect(Math.max(...(await wide()))).toBeLessThanOrEqual(360);
+  await tab.page.screenshot({ path: join(SHOTS, 'viewer-telephone.png') });
+  await tab.page.setViewportSize({ width: 1104, height: 600 });
+  await tab.page.click('#all');
+  await tab.settled();
+  expectSame(await tab.picture(), '--light', LIGHT, '--tonemap', 'neutral');
+  expect(tab.complaints).toEqual([]);
+  await tab.page.close();
+});
+
+test('the page alone takes a baked file and a probe that are dropped', async () => {
+  const page = resolve('../crates/ylm-cli/page');
+  const types: Record<string, string> = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.wasm': 'application/wasm' };
+  const files = createServer((request, response) => {
+    const path = join(page, request.url === '/' ? 'index.html' : request.url!.slice(1).split('?')[0]!);
+    if (!existsSync(path)) return response.writeHead(404).end();
+    return response.writeHead(200, { 'Content-Type': types[extname(path)] }).end(readFileSync(path));
+  });
+  await new Promise<void>((listening) => files.listen(0, '127.0.0.1', listening));
+  const tab = await Tab.open(browser, `http://127.0.0.1:${(files.address() as AddressInfo).port}/`);
+  await tab.page.waitForSelector('#empty');
+  await tab.page.screenshot({ path: join(SHOTS, 'viewer-empty.png') });
+  // A probe: blue above, warm below, as PFM from the lowest row up.
+  const texels = Float32Array.from({ length: 16 * 8 * 3 }, (_, i) => [0.9, 0.6, 0.4][i % 3]! * (i < 16 * 4 * 3 ? 0.3 : [0.5, 1, 2][i % 3]!));
+  writeFileSync(place.path('probe.pfm'), Buffer.concat([Buffer.from('PF\n16 8\n-1.0\n'), Buffer.from(texels.buffer)]));
+  await tab.drop(place.path('probe.pfm'), place.path('ball.safetensors'));
+  await tab.settled();
+  expect(await tab.page.innerText('#probe-name')).toBe('probe.pfm');
+  // Texels of 22°: the picture of the light is not compared.
+  await tab.set({ background: 'plain' });
+  expectSame(await tab.picture(), '--light', 'probe.pfm', '--tonemap', 'neutral', '--background', 'black');
+  // The description that `ylm view` would serve is not there, which the browser tells of.
+  expect(tab.complaints.filter((text) => !text.includes('404'))).toEqual([]);
+  await tab.page.close();
+  files.close();
+});
+
+test('it is drawn for light and dark', async () => {
+  for (const scheme of ['light', 'dark'] as const) {
+    const tab = await Tab.open(browser, `${server.address}#hour=9&shading=unshadowed&against=interreflected`, 1280, 800);
+    await tab.page.emulateMedia({ colorScheme: scheme });
+    await tab.settled();
+    await tab.page.screenshot({ path: join(SHOTS, scheme === 'dark' ? 'viewer.png' : 'viewer-light.png') });
+    expect(tab.complaints).toEqual([]);
+    await tab.page.close();
+  }
+});
