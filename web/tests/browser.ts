@@ -1,4 +1,5 @@
 /** A page of the viewer in headless Chromium. */
+import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { chromium, type Browser, type Page } from 'playwright-core';
 
@@ -7,7 +8,12 @@ const FLAGS = ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-ba
 /** Width of the panel beside the picture, in pixels. */
 export const PANEL = 304;
 
-export const launch = () => chromium.launch({ executablePath: process.env['YLM_CHROMIUM'] ?? '/usr/bin/chromium', args: FLAGS });
+/** Starts the Chromium that `YLM_CHROMIUM` names, else `chromium`. */
+export function launch(): Promise<Browser> {
+  const name = process.env['YLM_CHROMIUM'] ?? 'chromium';
+  const executablePath = execFileSync('sh', ['-c', 'command -v "$0"', name], { encoding: 'utf8' }).trim();
+  return chromium.launch({ executablePath, args: FLAGS });
+}
 
 /** A page, and what it complained of. */
 export class Tab {
