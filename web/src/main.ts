@@ -24,13 +24,13 @@ function changed(change: Change) {
 
 const number = (value: number) => value.toLocaleString('en');
 
-function tell({ lit, milliseconds }: Report) {
+function tell({ lit, isOnGpu, milliseconds }: Report) {
   const { geometry } = viewer;
   if (!geometry) return;
   const shading = lit.reduce((sum, part) => sum + part.milliseconds, 0);
   const spared = lit.find((part) => part.filtered.length > 0)?.filtered.map((part) => `${Math.round(100 * part)} %`);
   element('shape').textContent = `${number(geometry.positions.length / 3)} points, ${number(geometry.triangles.length / 3)} triangles, ${geometry.bands} bands, ${geometry.transfer}`;
-  element('time').textContent = `Relit in ${shading.toFixed(1)} ms, drawn after ${milliseconds.toFixed(1)} ms`;
+  element('time').textContent = `Relit ${isOnGpu ? 'by the GPU ' : ''}in ${shading.toFixed(1)} ms, drawn after ${milliseconds.toFixed(1)} ms`;
   element('spared').textContent = spared ? `Spared by the filter: diffuse ${spared[0]}, specular ${spared[1]} of the points` : '';
   // For tests: how many frames there were.
   document.documentElement.dataset['frames'] = String(Number(document.documentElement.dataset['frames'] ?? 0) + 1);
@@ -79,7 +79,10 @@ function listenToButtons() {
 }
 
 async function begin() {
-  viewer.onFault = fault;
+  viewer.onFault = (what) => {
+    fault(what);
+    panel.show();
+  };
   viewer.onFrame = tell;
   viewer.onLight = () => {
     panel.show();

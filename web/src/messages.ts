@@ -48,6 +48,34 @@ export interface Lit {
   milliseconds: number;
 }
 
+/** A baked scene as `ylm_gpu::PackedScene` has it; n bands, p points, B = ⌈p/64⌉ blocks of 64. */
+export interface PackedScene {
+  pointCount: number;
+  bands: number;
+  /** [B, n², 64]. */
+  transfer: Float32Array<ArrayBuffer>;
+  /** [B, 3, n², 64]; empty if the bake has no bounced light. */
+  bounced: Float32Array<ArrayBuffer>;
+  /** [p, 12]. */
+  surfaces: Float32Array<ArrayBuffer>;
+  /** [p, 8]. */
+  places: Float32Array<ArrayBuffer>;
+  /** [n(n+1)/2, 2]. */
+  recurrence: Float32Array<ArrayBuffer>;
+  /** [n]. */
+  cosine: Float32Array<ArrayBuffer>;
+}
+
+/** A frame's light, turned, and material, as `ylm_gpu::pack` makes them. */
+export interface PackedLight {
+  /** [n², 4]. */
+  light: Float32Array<ArrayBuffer>;
+  /** [3, ⌈n²/8⌉, n², 8]; empty unless glossy. The same array means the same light. */
+  matrix: Float32Array<ArrayBuffer>;
+  /** [n]; empty unless glossy. */
+  lobe: Float32Array<ArrayBuffer>;
+}
+
 /** Questions by name, each with its answer. */
 export interface Calls {
   /** Opens part `part` of `partCount` of a baked file; the geometry comes from part 0. */
@@ -61,6 +89,9 @@ export interface Calls {
   /** Lights the scene by coefficients from now on. */
   light: { ask: Float32Array; answer: null };
   relight: { ask: Look; answer: Lit };
+  /** The whole scene, for a GPU. */
+  pack: { ask: null; answer: PackedScene };
+  packLight: { ask: Look; answer: PackedLight };
 }
 
 export type Kind = keyof Calls;

@@ -1,5 +1,5 @@
 /** Workers that light a scene together, each its share of the points. */
-import type { Answer, Bytes, Calls, Geometry, Kind, Lamp, Lit, Look, Question } from './messages';
+import type { Answer, Bytes, Calls, Geometry, Kind, Lamp, Lit, Look, PackedLight, PackedScene, Question } from './messages';
 
 /** A worker whose questions are answered in order. */
 class Hand {
@@ -34,6 +34,9 @@ export class Pool {
   private whole: Promise<Hand> | null = null;
   private file: Bytes | null = null;
   private coeffs = new Float32Array();
+  /** Lights so far, and which of them the last packed matrix is of. */
+  private lightCount = 0;
+  private packed: { light: string; matrix: PackedLight['matrix'] } | null = null;
 
   constructor(count: number) {
     this.hands = Array.from({ length: count }, () => new Hand());
@@ -60,6 +63,7 @@ export class Pool {
   async light(ask: Calls['lamp']['ask']): Promise<Lamp> {
     const lamp = await this.hands[0]!.ask('lamp', ask);
     this.coeffs = lamp.coeffs;
+    this.lightCount++;
     const hands = this.whole ? [...this.hands, await this.whole] : this.hands;
     await Promise.all(hands.map((hand) => hand.ask('light', lamp.coeffs)));
     return lamp;
@@ -79,6 +83,22 @@ export class Pool {
       start += part.radiance.length;
     }
     return { radiance, reach: new Float32Array(), filtered: [], milliseconds: Math.max(...parts.map((part) => part.milliseconds)) };
+  }
+
+  /** The scene for a GPU. */
+  async pack(): Promise<PackedScene> {
+    this.whole ??= this.hire();
+    return (await this.whole).ask('pack', null);
+  }
+
+  /** A frame's light and material for a GPU; the matrix is the array of the frame before where the light is. */
+  async packLight(look: Look): Promise<PackedLight> {
+    this.whole ??= this.hire();
+    const packed = await (await this.whole).ask('packLight', look);
+    const light = [look.shading, look.bands, ...look.rotation, this.lightCount].join();
+    if (light === this.packed?.light) packed.matrix = this.packed.matrix;
+    this.packed = { light, matrix: packed.matrix };
+    return packed;
   }
 
   private async hire(): Promise<Hand> {

@@ -1,6 +1,7 @@
 /** A baked scene and its light: what is asked of the workers when, and what is drawn of the answers. */
 import { Euler, Quaternion } from 'three';
 import { probeGainOf, wordsOf } from './light';
+import { Gpu, SHADINGS } from './gpu';
 import type { Bytes, Geometry, Lamp, Lit, Look } from './messages';
 import { Navigation } from './navigation';
 import { Pool } from './pool';
@@ -20,6 +21,8 @@ export type Change = 'light' | 'frame' | 'picture';
 /** What the page is told of each frame. */
 export interface Report {
   lit: Lit[];
+  /** Whether the GPU lit all of it. */
+  isOnGpu: boolean;
   milliseconds: number;
 }
 
@@ -33,6 +36,9 @@ export class Viewer {
   onFault: (fault: unknown) => void = () => {};
   private readonly stage: Stage;
   private pool: Pool | null = null;
+  /** Asked for when it is first chosen; undefined where there is none. */
+  private gpu: Promise<Gpu | undefined> | null = null;
+  private isOnGpu = false;
   // One question at a time; what changes meanwhile is asked for once the answer is there.
   private readonly stale = { light: false, frame: false };
   private isBusy = false;
@@ -76,7 +82,7 @@ export class Viewer {
       // A frame that is being made is finished by those who began it.
       while (this.isBusy) await new Promise((resolve) => setTimeout(resolve, 5));
       this.pool?.end();
-      [this.pool, this.geometry] = [next, geometry];
+      [this.pool, this.geometry, this.isOnGpu] = [next, geometry, false];
     } catch (fault) {
       next.end();
       throw fault;
@@ -158,14 +164,36 @@ export class Viewer {
     const start = performance.now();
     const names = state.against === '' ? [state.shading] : [state.shading, state.against];
     const lit: Lit[] = [];
+    let isOnGpu = true;
     for (const [side, name] of names.entries()) {
       const look = this.look(this.shadingOf(name));
-      lit.push(await pool.relight(look));
+      const byGpu = await this.relightOnGpu(pool, look);
+      isOnGpu &&= byGpu !== undefined;
+      lit.push(byGpu ?? (await pool.relight(look)));
       const [numbers, shown] = shownOf(lit[side]!, look, state);
       this.stage.setRadiance(side as 0 | 1, numbers, shown);
     }
     this.draw();
-    this.onFrame({ lit, milliseconds: performance.now() - start });
+    this.onFrame({ lit, isOnGpu, milliseconds: performance.now() - start });
+  }
+
+  /** What the GPU makes of it, if it is chosen, is there, and has a kernel for it. */
+  private async relightOnGpu(pool: Pool, look: Look): Promise<Lit | undefined> {
+    if (this.state.engine !== 'webgpu' || !SHADINGS.includes(look.shading)) return undefined;
+    this.gpu ??= Gpu.create();
+    const gpu = await this.gpu;
+    if (!gpu) {
+      this.state.engine = 'wasm';
+      this.onFault(new Error('This browser gives no WebGPU adapter: the processor goes on.'));
+      return undefined;
+    }
+    if (!this.isOnGpu) {
+      await gpu.load(await pool.pack());
+      this.isOnGpu = true;
+    }
+    const start = performance.now();
+    const radiance = await gpu.relight(look, await pool.packLight(look));
+    return radiance && { radiance, reach: new Float32Array(), filtered: [], milliseconds: performance.now() - start };
   }
 
   private look(shading: string): Look {

@@ -58,6 +58,21 @@ const answers: { [K in Kind]: (ask: Calls[K]['ask']) => Calls[K]['answer'] } = {
     lit.free();
     return { ...answer, milliseconds: performance.now() - start };
   },
+  pack() {
+    const packed = opened(scene).packed();
+    const answer = {
+      pointCount: packed.point_count(), bands: packed.bands(), transfer: owned(packed.transfer()), bounced: owned(packed.bounced()),
+      surfaces: owned(packed.surfaces()), places: owned(packed.places()), recurrence: owned(packed.recurrence()), cosine: owned(packed.cosine()),
+    };
+    packed.free();
+    return answer;
+  },
+  packLight({ shading, bands, rotation, material }) {
+    const packed = opened(scene).packed_light(bands, new Float32Array(rotation), new Float32Array(shading === 'glossy' ? material : []));
+    const answer = { light: owned(packed.light()), matrix: owned(packed.matrix()), lobe: owned(packed.lobe()) };
+    packed.free();
+    return answer;
+  },
 };
 
 /** Memory of an answer that goes to the page for good. */

@@ -5,14 +5,17 @@ import { chromium, type Browser, type Page } from 'playwright-core';
 
 const FLAGS = ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'];
 
+/** What gives WebGPU to a browser without a GPU: SwiftShader, a software adapter. */
+const GPU_FLAGS = ['--enable-unsafe-webgpu', '--use-angle=swiftshader', '--enable-features=Vulkan', '--use-vulkan=swiftshader'];
+
 /** Width of the panel beside the picture, in pixels. */
 export const PANEL = 304;
 
 /** Starts the Chromium that `YLM_CHROMIUM` names, else `chromium`. */
-export function launch(): Promise<Browser> {
+export function launch(graphics: 'with WebGPU' | 'plain' = 'plain'): Promise<Browser> {
   const name = process.env['YLM_CHROMIUM'] ?? 'chromium';
   const executablePath = execFileSync('sh', ['-c', 'command -v "$0"', name], { encoding: 'utf8' }).trim();
-  return chromium.launch({ executablePath, args: FLAGS });
+  return chromium.launch({ executablePath, args: graphics === 'plain' ? FLAGS : [...FLAGS, ...GPU_FLAGS] });
 }
 
 /** A page, and what it complained of. */

@@ -191,6 +191,42 @@ test('the page alone takes a baked file and a probe that are dropped', async () 
   files.close();
 });
 
+test('the GPU gives the picture of the processor, and where there is none it is said', async () => {
+  const withGpu = await launch('with WebGPU');
+  const tab = await Tab.open(withGpu, server.address);
+  await tab.settled();
+  for (const shading of ['unshadowed', 'shadowed', 'interreflected', 'glossy']) {
+    for (const bands of ['3', '5']) {
+      await tab.set({ engine: 'wasm', shading, bands, turn: '0', specular: '0.5' });
+      await tab.set({ turn: '40' });
+      const expected = await tab.picture();
+      await tab.set({ turn: '0' });
+      expect(psnr(await tab.picture(), expected).decibels).toBeLessThan(45);
+      await tab.set({ engine: 'webgpu', turn: '40' });
+      expect(await tab.page.innerText('#time')).toContain('by the GPU');
+      expect(psnr(await tab.picture(), expected).decibels).toBeGreaterThan(60);
+    }
+  }
+  // Only the eye moves: the light's product is kept.
+  await tab.page.focus('#view');
+  await tab.page.keyboard.press('ArrowLeft');
+  await tab.settled();
+  const moved = await tab.picture();
+  await tab.set({ engine: 'wasm' });
+  expect(psnr(await tab.picture(), moved).decibels).toBeGreaterThan(60);
+  expect(tab.complaints).toEqual([]);
+  await withGpu.close();
+
+  const without = await Tab.open(browser, server.address);
+  await without.settled();
+  const before = await without.picture();
+  await without.set({ engine: 'webgpu' });
+  expect(await without.message()).toContain('no WebGPU adapter');
+  expect(await without.page.inputValue('#engine')).toBe('wasm');
+  expect(psnr(await without.picture(), before).decibels).toBe(Infinity);
+  await without.page.close();
+});
+
 test('it is drawn for light and dark', async () => {
   for (const scheme of ['light', 'dark'] as const) {
     const tab = await Tab.open(browser, `${server.address}#hour=9&shading=unshadowed&against=interreflected`, 1280, 800);

@@ -37,7 +37,7 @@ const MAY_DEPEND: &[(&str, &[&str])] = &[
     ("crates/ylm-shader", &["ylm"]),
     ("crates/ylm-gpu", &["ylm", "ylm-prt"]),
     ("crates/ylm-cli", &["ylm", "ylm-prt", "ylm-plot", "ylm-shader"]),
-    ("crates/ylm-wasm", &["ylm", "ylm-prt"]),
+    ("crates/ylm-wasm", &["ylm", "ylm-prt", "ylm-gpu"]),
     ("python", &["ylm", "ylm-prt"]),
     ("bench", &["ylm", "ylm-prt", "ylm-plot"]),
 ];

@@ -11,7 +11,7 @@ use crate::{Look, Shading, Share, band_energies, picture_of_bands};
 
 /// A baked scene of which this worker lights a share.
 #[wasm_bindgen]
-pub struct Scene(Share);
+pub struct Scene(pub(crate) Share);
 
 /// The light of a view.
 #[wasm_bindgen]
@@ -21,7 +21,7 @@ pub struct Lamp(crate::Lamp);
 #[wasm_bindgen]
 pub struct Lit(crate::Lit);
 
-fn error(error: ylm_prt::Error) -> JsError {
+pub(crate) fn error(error: ylm_prt::Error) -> JsError {
     JsError::new(&error.to_string())
 }
 
@@ -29,7 +29,7 @@ fn flat(vectors: &[Vec3]) -> Vec<f32> {
     vectors.iter().flat_map(|vector| vector.to_array()).collect()
 }
 
-fn quaternion(numbers: &[f32]) -> Result<Quat, JsError> {
+pub(crate) fn quaternion(numbers: &[f32]) -> Result<Quat, JsError> {
     let numbers: [f32; 4] = numbers.try_into().map_err(|_| JsError::new("a rotation has 4 numbers"))?;
     Ok(Quat::from_array(numbers))
 }

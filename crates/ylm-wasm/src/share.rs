@@ -7,6 +7,7 @@ use std::path::Path;
 use glam::{Quat, Vec3};
 use ylm::Bands;
 use ylm::zonal::Zonal;
+use ylm_gpu::PackedScene;
 use ylm_prt::error::{Error, Result};
 use ylm_prt::format::parse_baked;
 use ylm_prt::light::LightCoeffs;
@@ -142,6 +143,17 @@ impl Share {
     /// If bands are none, or the rotation is not finite.
     pub fn turned_light(&self, bands: usize, rotation: Quat) -> Result<LightCoeffs> {
         self.light.resized(Bands::new(bands)?.min(self.bands())).rotated(rotation)
+    }
+
+    /// The scene as the kernels of `ylm-gpu` take it.
+    ///
+    /// # Errors
+    /// If this is part of a scene.
+    pub fn packed(&self) -> Result<PackedScene> {
+        match self.is_whole {
+            true => Ok(PackedScene::new(&self.baked)),
+            false => Err(Error::Request("a scene is packed as a whole".to_owned())),
+        }
     }
 
     /// Lights each point of the share.
