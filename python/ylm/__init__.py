@@ -25,6 +25,7 @@ from ylm._convert import CONVENTIONS, convert
 from ylm._native import Cancelled, FileError, __version__
 from ylm._exponential import exp, log
 from ylm._field import Field, bake_field, enclosing_sphere, load_field, sphere_set
+from ylm._frames import STAGES, AdaptiveFrame, Judged, Region
 from ylm._image import image_layout, image_locate, image_texels, project_image
 from ylm._light import Light, develop, light, read_image, save_image, save_light
 from ylm._mesh import Mesh
@@ -43,7 +44,6 @@ from ylm._product import (
     wigner_3j,
 )
 from ylm._receive import cap_visibility, dim, linear_irradiance, receive
-from ylm._relight import STAGES, AdaptiveFrame, Judged, Region
 from ylm._rotate import Turn, rotate, rotate_frames, rotate_into_frames, rotate_z, rotation_matrix
 from ylm._sphere import (
     basis,

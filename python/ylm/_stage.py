@@ -16,10 +16,11 @@ from ylm._bake import bake
 from ylm._baked import Baked
 from ylm._brdf import Brdf
 from ylm._field import Field, bake_field
+from ylm._frames import Judged
 from ylm._light import Light
 from ylm._mesh import Mesh
 from ylm._notebook import shown
-from ylm._relight import Judged, Progress, Window, native_light
+from ylm._relight import Progress, Window, native_light
 from ylm._rotate import Turn
 
 Path = str | os.PathLike[str]
