@@ -239,6 +239,9 @@ pub fn run_stages(options: &Options) -> Vec<Table> {
     ];
     let frames = if options.quick { 3 } else { 50 };
     for (name, settings, light, coherence) in settings {
+        if std::env::var("ONLY").is_ok_and(|only| only != name) {
+            continue;
+        }
         let mut spin =
             Spin { scene: &ordered, baked: &baked, light, eye, settings, coherence: coherence.clone() };
         let measured = spin.run(frames);

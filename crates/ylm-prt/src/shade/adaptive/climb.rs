@@ -3,6 +3,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
+use ylm::Workspace;
 
 use super::coherence::{LEAVING, Memory};
 use super::scene::AdaptiveScene;
@@ -10,6 +11,7 @@ use super::settings::{AdaptiveSettings, Ending, Prediction, weight_left};
 use super::specular::Tiles;
 use crate::error::Result;
 use crate::shade::bounced::{emission_of, leaving};
+use crate::shade::diffuse::diffuse_share;
 use crate::shade::glossy::{GlossyLight, GlossyMaterial};
 
 /// Where a point has got to.
@@ -32,19 +34,19 @@ impl Climb {
     }
 }
 
-/// Until where to climb.
-#[derive(Clone, Copy)]
-pub(super) enum Until<'a> {
-    /// To the end that the settings say, and at least as far as in the frame before, if there is one.
-    Filtered(&'a [Memory]),
-    /// To the last band.
-    Top,
-}
-
 /// The diffuse or the specular part of the radiance.
 pub(super) trait Part: Sync {
-    /// Climbs with a few points.
-    fn climb(&self, points: &[u32], until: Until, scratch: &mut Scratch, out: &mut [Climb]) -> Result<()>;
+    /// Climbs with a few points until the end that the settings say, and at least as far as in the frame before, if there is one.
+    fn climb(
+        &self,
+        points: &[u32],
+        memory: &[Memory],
+        scratch: &mut Scratch,
+        out: &mut [Climb],
+    ) -> Result<()>;
+
+    /// Radiance of a few points by all bands at once.
+    fn whole(&self, points: &[u32], scratch: &mut Scratch, out: &mut [Vec3]) -> Result<()>;
 
     /// The threshold of this part.
     fn threshold(&self) -> f32;
@@ -55,21 +57,14 @@ pub(super) trait Part: Sync {
 /// Buffers of a thread.
 #[derive(Default)]
 pub(super) struct Scratch {
+    pub workspace: Workspace,
     pub axes: Vec<[f32; 3]>,
+    pub rows: Vec<f32>,
+    pub integrals: Vec<f32>,
     pub lobes: Vec<f32>,
     pub tiles: Tiles,
     pub paths: Vec<Path>,
     pub points: Vec<u32>,
-}
-
-impl Until<'_> {
-    /// Bands that a point had in the frame before.
-    fn bands_before(&self, point: usize) -> u8 {
-        match self {
-            Self::Filtered(memory) => memory.get(point).map_or(0, |memory| memory.bands),
-            Self::Top => 0,
-        }
-    }
 }
 
 /// Follows the sum of a climb with its weights.
@@ -87,17 +82,21 @@ pub(super) struct Path {
 }
 
 impl Path {
-    pub fn new(base: Vec3, base_bands: usize, until: Until, point: usize, part: &impl Part) -> Self {
-        let (ending, threshold) = match until {
-            Until::Filtered([]) => (part.settings().ending, part.threshold()),
-            // What changes at once is carried over.
-            Until::Filtered(_) => (Ending::Sudden, part.threshold()),
-            Until::Top => (Ending::Sudden, 0.0),
-        };
+    pub fn new(base: Vec3, base_bands: usize, memory: &[Memory], point: usize, part: &impl Part) -> Self {
+        // What changes at once is carried over.
+        let ending = if memory.is_empty() { part.settings().ending } else { Ending::Sudden };
         let bands = base_bands as u8;
         let climb = Climb { base, difference: Vec3::ZERO, bands, kept: Vec3::ZERO };
-        let before = until.bands_before(point);
-        Self { climb, ending, threshold, weight: 1.0, full: Vec3::ZERO, computed: bands, before }
+        let before = memory.get(point).map_or(0, |memory| memory.bands);
+        Self {
+            climb,
+            ending,
+            threshold: part.threshold(),
+            weight: 1.0,
+            full: Vec3::ZERO,
+            computed: bands,
+            before,
+        }
     }
 
     /// Takes the difference to the base after one band more; answers whether to go on.
@@ -179,12 +178,27 @@ pub(super) fn tint_of(light: &GlossyLight, channel: usize) -> f32 {
     if light.channels.len() == 1 { light.tint.max_element() } else { light.tint[channel] }
 }
 
+/// Diffuse radiance of a point by the bands that `row` has of its transfer.
+pub(super) fn diffuse_of(
+    scene: &AdaptiveScene,
+    light: &GlossyLight,
+    material: GlossyMaterial,
+    point: usize,
+    row: &[f32],
+) -> Vec3 {
+    let (baked, tint, share) = (&*scene.baked, light.tint, material.diffuse);
+    match light.channels.as_slice() {
+        [r, g, b] => diffuse_share(baked, point, row, [r, g, b], tint, share),
+        channels => diffuse_share(baked, point, row, [&channels[0]], tint, share),
+    }
+}
+
 pub(super) fn dot_self(v: &[f32]) -> f32 {
     v.iter().map(|x| x * x).sum::<f32>().sqrt()
 }
 
 impl Part for Diffuse<'_> {
-    fn climb(&self, points: &[u32], until: Until, _: &mut Scratch, out: &mut [Climb]) -> Result<()> {
+    fn climb(&self, points: &[u32], memory: &[Memory], _: &mut Scratch, out: &mut [Climb]) -> Result<()> {
         let base_bands = self.settings.base_bands.min(self.scene.band_count());
         for (&point, out) in points.iter().zip(out) {
             let point = point as usize;
@@ -203,11 +217,10 @@ impl Part for Diffuse<'_> {
                     }
             };
             let base = factor * (0..base_bands).map(of_band).sum::<Vec3>() + self.around(point);
-            let mut path = Path::new(base, base_bands, until, point, self);
-            let is_left_out =
-                matches!((until, self.settings.prediction), (Until::Filtered(_), Prediction::BandEnergies))
-                    && usize::from(path.before) <= base_bands
-                    && self.bound(point, factor) < self.threshold();
+            let mut path = Path::new(base, base_bands, memory, point, self);
+            let is_left_out = self.settings.prediction == Prediction::BandEnergies
+                && usize::from(path.before) <= base_bands
+                && self.bound(point, factor) < self.threshold();
             let mut sum = Vec3::ZERO;
             for l in base_bands..if is_left_out { 0 } else { self.scene.band_count() } {
                 sum += of_band(l);
@@ -216,6 +229,19 @@ impl Part for Diffuse<'_> {
                 }
             }
             *out = path.climb;
+        }
+        Ok(())
+    }
+
+    fn whole(&self, points: &[u32], _: &mut Scratch, out: &mut [Vec3]) -> Result<()> {
+        for (&point, out) in points.iter().zip(out) {
+            *out = diffuse_of(
+                self.scene,
+                self.light,
+                self.material,
+                point as usize,
+                self.scene.row(point as usize),
+            );
         }
         Ok(())
     }

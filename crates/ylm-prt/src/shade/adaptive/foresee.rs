@@ -12,14 +12,13 @@ use ylm::product::grid::{Factor, Grid, Values};
 use ylm::zonal::Zonal;
 use ylm::{Bands, Workspace};
 
-use super::climb::{dot_self, light_norms, tint_of};
+use super::climb::{diffuse_of, dot_self, light_norms, tint_of};
 use super::coherence::{LEAVING, Memory, Past, Settled};
 use super::region::{Region, Stage};
 use super::scene::AdaptiveScene;
 use super::settings::{AdaptiveSettings, Ending, weight_left};
 use super::{AdaptiveFrame, Thresholds};
 use crate::error::Result;
-use crate::shade::diffuse::diffuse_share;
 use crate::shade::glossy::{GlossyLight, GlossyMaterial, axes_of};
 
 /// Points that a thread does at once: enough that those of them that need all bands fill vectors.
@@ -151,7 +150,7 @@ pub(super) fn shade(
 
 impl Frame<'_> {
     fn shade_chunk(&self, first: usize, shaded: &mut [Shaded], scratch: &mut Scratch) -> Result<()> {
-        let (scene, light) = (self.scene, self.light);
+        let (scene, light, material) = (self.scene, self.light, *self.material);
         let (width, base_width) = (light.bands().coeff_count(), self.base_bands.coeff_count());
         let channels = light.channels.len();
         axes_of(&scene.baked.points, first..first + shaded.len(), self.eye, &mut scratch.axes);
@@ -176,14 +175,15 @@ impl Frame<'_> {
             let point = first + k;
             let weights = self.weights(point, scratch.axes[k]);
             let base_row = &scratch.base_rows[k * base_width..][..base_width];
-            let base =
-                [self.diffuse(point, base_row), light.colour(&scratch.integrals[k * channels..][..channels])];
+            let base = [
+                diffuse_of(scene, light, material, point, base_row),
+                light.colour(&scratch.integrals[k * channels..][..channels]),
+            ];
             *shaded = Shaded { radiance: base, kept: base, weights };
             if weights != [0.0; 2] || (0..2).any(|part| self.had_all(part, point)) {
                 scratch.chosen.push((k, weights));
                 scratch.chosen_axes.push(scratch.axes[k]);
-                let row = &scene.baked.transfer.vectors[point * width..][..width];
-                scratch.chosen_rows.extend_from_slice(row);
+                scratch.chosen_rows.extend_from_slice(scene.row(point));
             }
         }
         let count = scratch.chosen.len() * channels;
@@ -197,7 +197,7 @@ impl Frame<'_> {
         )?;
         let rows = scratch.chosen_rows.chunks_exact(width).zip(scratch.integrals.chunks_exact(channels));
         for (&(k, weights), (row, integrals)) in scratch.chosen.iter().zip(rows) {
-            let full = [self.diffuse(first + k, row), light.colour(integrals)];
+            let full = [diffuse_of(scene, light, material, first + k, row), light.colour(integrals)];
             for part in 0..2 {
                 if self.had_all(part, first + k) {
                     shaded[k].kept[part] = full[part];
@@ -211,15 +211,6 @@ impl Frame<'_> {
             }
         }
         Ok(())
-    }
-
-    /// Diffuse radiance of a point by the bands that `row` has of its transfer.
-    fn diffuse(&self, point: usize, row: &[f32]) -> Vec3 {
-        let (light, share) = (self.light, self.material.diffuse);
-        match light.channels.as_slice() {
-            [r, g, b] => diffuse_share(&self.scene.baked, point, row, [r, g, b], light.tint, share),
-            channels => diffuse_share(&self.scene.baked, point, row, [&channels[0]], light.tint, share),
-        }
     }
 
     /// How much of the bands above the base counts, diffuse and specular.

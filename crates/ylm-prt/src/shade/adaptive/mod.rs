@@ -62,8 +62,8 @@ impl AdaptiveFrame {
 ///
 /// Error: against [`super::shade_glossy`], with thresholds of 0 at most 1e-6 of the largest radiance (test
 /// `thresholds_of_zero_give_the_full_result`); otherwise bench `lee-table1`.
-/// Cost: in proportion to the entries of the light's matrix that the bands of each point need; in parallel, the same bytes for any number
-/// of threads.
+/// Cost: in proportion to the entries of the light's matrix that the bands of each point need, and of the points that join a region that of
+/// [`super::shade_glossy`]; both parts at once, in parallel, the same bytes for any number of threads.
 ///
 /// # Errors
 /// If the light was made for another number of bands, or for another way than [`AdaptiveSettings::light_way`] says, or a setting is out of
@@ -126,17 +126,18 @@ fn shade_after(
     if bands != scene.baked.transfer.bands {
         return Err(unfit());
     }
+    let (grid, values) = light.on_grid().ok_or_else(unfit)?;
     if settings.ending == Ending::Foreseen {
-        let on_grid = light.on_grid().ok_or_else(unfit)?;
-        return foresee::shade(scene, light, on_grid, material, eye, settings, past);
+        return foresee::shade(scene, light, (grid, values), material, eye, settings, past);
     }
     let forms = light.band_forms().ok_or_else(unfit)?;
     let lobe = material.lobe(bands)?;
     let diffuse = Diffuse::new(scene, light, *material, settings);
-    let specular = Specular { scene, light, forms, lobe, eye, settings };
+    let specular = Specular { scene, light, forms, grid, values, lobe, eye, settings };
     let [of_diffuse, of_specular] = past.map_or([None, None], |past| past.each_mut().map(Some));
-    Ok(AdaptiveFrame {
-        diffuse: region::shade(&diffuse, scene, settings, of_diffuse)?,
-        specular: region::shade(&specular, scene, settings, of_specular)?,
-    })
+    let (diffuse, specular) = rayon::join(
+        || region::shade(&diffuse, scene, settings, of_diffuse),
+        || region::shade(&specular, scene, settings, of_specular),
+    );
+    Ok(AdaptiveFrame { diffuse: diffuse?, specular: specular? })
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::climb::{Climb, Part, Scratch, Until};
+use super::climb::{Climb, Part, Scratch};
 use super::coherence::{LEAVING, Past, Settled};
 use super::scene::AdaptiveScene;
 use super::settings::{AdaptiveSettings, Refinement};
@@ -70,7 +70,7 @@ pub(super) fn shade(
             let mut points = std::mem::take(&mut scratch.points);
             points.clear();
             points.extend((chunk * CHUNK..).take(climbs.len()).map(|point| point as u32));
-            let done = part.climb(&points, Until::Filtered(memory), scratch, climbs);
+            let done = part.climb(&points, memory, scratch, climbs);
             scratch.points = points;
             done
         },
@@ -125,33 +125,38 @@ fn refine(
     let mut front: Vec<u32> =
         (0..stages.len() as u32).filter(|&p| stages[p as usize] == Stage::Selected).collect();
     while !front.is_empty() {
-        let around: Vec<u32> = front
+        let mut around: Vec<u32> = front
             .par_iter()
+            .with_min_len(CHUNK)
             .flat_map_iter(|&point| scene.neighbours.around(point))
             .copied()
-            .filter(|&point| !is_known[point as usize].swap(true, Ordering::Relaxed))
+            .filter(|&point| {
+                let is_known = &is_known[point as usize];
+                !is_known.load(Ordering::Relaxed) && !is_known.swap(true, Ordering::Relaxed)
+            })
             .collect();
+        // As they lie in memory.
+        around.sort_unstable();
         // What was computed to the last band in the frame before is so in this one.
         let (held, around): (Vec<u32>, Vec<u32>) = around.into_iter().partition(|&p| was_at_top(p as usize));
-        let at_top = |point: u32| {
-            let climb = climbs[point as usize];
-            Climb { difference: climb.kept, bands: scene.band_count() as u8, ..climb }
-        };
-        let of_held: Vec<Climb> = held.iter().map(|&point| at_top(point)).collect();
-        let mut found = vec![Climb::default(); around.len()];
+        let mut found = vec![Vec3::ZERO; around.len()];
         found
             .par_chunks_mut(CHUNK)
             .zip(around.par_chunks(CHUNK))
             .try_for_each_init(Scratch::default, |scratch, (found, points)| {
-                part.climb(points, Until::Top, scratch, found)
+                part.whole(points, scratch, found)
             })?;
+        let of_held = held.iter().map(|&point| (point, LEAVING, climbs[point as usize].kept));
+        let of_found = around.iter().zip(found);
+        let of_found = of_found.map(|(&point, whole)| (point, 1.0, whole - climbs[point as usize].base));
+        let tested: Vec<(u32, f32, Vec3)> = of_held.chain(of_found).collect();
         front.clear();
-        for (&point, climb) in held.iter().chain(&around).zip(of_held.into_iter().chain(found)) {
-            let leaving = if was_at_top(point as usize) { LEAVING } else { 1.0 };
+        for (point, leaving, difference) in tested {
+            let climb = &mut climbs[point as usize];
+            climb.difference = difference;
+            climb.bands = scene.band_count() as u8;
             let is_in = climb.size() >= leaving * part.threshold();
             stages[point as usize] = if is_in { Stage::Refined } else { Stage::Tested };
-            let kept = climbs[point as usize].kept;
-            climbs[point as usize] = Climb { kept, ..climb };
             front.extend(is_in.then_some(point));
         }
     }

@@ -78,6 +78,12 @@ impl<'a> AdaptiveScene<'a> {
         &self.levels[l][point * width..][..width]
     }
 
+    /// The transfer of a point in all bands.
+    pub(super) fn row(&self, point: usize) -> &[f32] {
+        let width = self.bands().coeff_count();
+        &self.baked.transfer.vectors[point * width..][..width]
+    }
+
     /// ‖O‖ of a point in each band.
     pub(super) fn norms(&self, point: usize) -> &[f32] {
         &self.norms[point * self.levels.len()..][..self.levels.len()]

@@ -3,9 +3,11 @@
 use glam::Vec3;
 use ylm::Level;
 use ylm::product::band_forms::{BandForms, PAIRS};
+use ylm::product::grid::{Grid, Values};
 use ylm::zonal::Zonal;
 
-use super::climb::{Climb, Part, Path, Scratch, Until};
+use super::climb::{Climb, Part, Path, Scratch};
+use super::coherence::Memory;
 use super::scene::AdaptiveScene;
 use super::settings::AdaptiveSettings;
 use crate::error::Result;
@@ -17,6 +19,8 @@ pub(super) struct Specular<'a> {
     pub light: &'a GlossyLight,
     /// Of the light.
     pub forms: &'a BandForms<f32>,
+    pub grid: &'a Grid<f32>,
+    pub values: &'a [Values<f32>],
     pub lobe: Zonal<f32>,
     pub eye: Vec3,
     pub settings: &'a AdaptiveSettings,
@@ -79,7 +83,13 @@ impl Tiles {
 }
 
 impl Part for Specular<'_> {
-    fn climb(&self, points: &[u32], until: Until, scratch: &mut Scratch, out: &mut [Climb]) -> Result<()> {
+    fn climb(
+        &self,
+        points: &[u32],
+        memory: &[Memory],
+        scratch: &mut Scratch,
+        out: &mut [Climb],
+    ) -> Result<()> {
         let Scratch { axes, lobes, tiles, paths, .. } = scratch;
         let (width, channels) = (self.lobe.bands().coeff_count(), self.light.channels.len());
         let base_bands = self.settings.base_bands.min(self.scene.band_count());
@@ -100,7 +110,7 @@ impl Part for Specular<'_> {
                 let radiance = self.light.colour(&[0, 1, 2].map(sum)[..channels]);
                 let (k, point) = (*lane as usize, points[*lane as usize] as usize);
                 if l + 1 == base_bands {
-                    paths.push(Path::new(radiance, base_bands, until, point, self));
+                    paths.push(Path::new(radiance, base_bands, memory, point, self));
                 } else {
                     let base = paths[k].climb.base;
                     if !paths[k].step(radiance - base) {
@@ -111,6 +121,21 @@ impl Part for Specular<'_> {
             tiles.close_up((l + 1) * (l + 1), width, channels);
         }
         out.iter_mut().zip(&*paths).for_each(|(out, path)| *out = path.climb);
+        Ok(())
+    }
+
+    /// By the integral in quadrature space, which costs a fraction of a climb.
+    fn whole(&self, points: &[u32], scratch: &mut Scratch, out: &mut [Vec3]) -> Result<()> {
+        let Scratch { workspace, axes, rows, integrals, .. } = scratch;
+        let channels = self.light.channels.len();
+        axes_of(&self.scene.baked.points, points.iter().map(|&p| p as usize), self.eye, axes);
+        rows.clear();
+        points.iter().for_each(|&point| rows.extend_from_slice(self.scene.row(point as usize)));
+        integrals.resize(points.len() * channels, 0.0);
+        self.grid.lobe_integrals(rows, &self.lobe, axes, self.values, integrals, workspace)?;
+        out.iter_mut()
+            .zip(integrals.chunks_exact(channels))
+            .for_each(|(out, of_point)| *out = self.light.colour(of_point));
         Ok(())
     }
 

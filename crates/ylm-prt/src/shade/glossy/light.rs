@@ -20,7 +20,8 @@ pub enum SpecularWay {
     VertexMatrix,
     /// The same matrix times many transfer vectors at once.
     BatchedMatrix,
-    /// The two halves of the same matrix at once, band after band, sixteen points side by side: what adaptive shading climbs by.
+    /// The two halves of the same matrix at once, band after band, sixteen points side by side: what adaptive shading climbs by. Such a light is ready
+    /// for quadrature too.
     BandForms,
     /// The integral of light, transfer and lobe in quadrature space: O(n³) a point.
     #[default]
@@ -47,9 +48,12 @@ pub struct GlossyLight {
 enum Kind {
     VertexMatrix(Vec<ProductMatrix<f32>>),
     BatchedMatrix(Vec<ProductMatrix<f32>>),
-    BandForms(BandForms<f32>),
-    Quadrature { grid: Grid<f32>, light: Vec<Values<f32>> },
+    BandForms(BandForms<f32>, OnGrid),
+    Quadrature(OnGrid),
 }
+
+/// The grid, and the light's values on it, a channel each.
+type OnGrid = (Grid<f32>, Vec<Values<f32>>);
 
 /// Buffers of a thread.
 #[derive(Default)]
@@ -82,22 +86,22 @@ impl GlossyLight {
             None => (Vec3::ONE, light.channels.to_vec()),
         };
         let mut workspace = Workspace::new();
-        let mut matrices = || -> ylm::Result<Vec<_>> {
-            channels.iter().map(|c| ProductMatrix::new(c, &mut workspace)).collect()
+        let matrices = |workspace: &mut Workspace| -> ylm::Result<Vec<_>> {
+            channels.iter().map(|c| ProductMatrix::new(c, workspace)).collect()
+        };
+        let on_grid = |workspace: &mut Workspace| -> ylm::Result<OnGrid> {
+            let grid = Grid::new(bands, 2)?;
+            let values = channels.iter().map(|c| grid.values(c, workspace)).collect::<ylm::Result<_>>()?;
+            Ok((grid, values))
         };
         let kind = match way {
-            SpecularWay::VertexMatrix => Kind::VertexMatrix(matrices()?),
-            SpecularWay::BatchedMatrix => Kind::BatchedMatrix(matrices()?),
+            SpecularWay::VertexMatrix => Kind::VertexMatrix(matrices(&mut workspace)?),
+            SpecularWay::BatchedMatrix => Kind::BatchedMatrix(matrices(&mut workspace)?),
             SpecularWay::BandForms => {
                 let slices: Vec<&[f32]> = channels.iter().map(Vec::as_slice).collect();
-                Kind::BandForms(BandForms::new(&slices, &mut workspace)?)
+                Kind::BandForms(BandForms::new(&slices, &mut workspace)?, on_grid(&mut workspace)?)
             }
-            SpecularWay::Quadrature => {
-                let grid = Grid::new(bands, 2)?;
-                let light = channels.iter().map(|c| grid.values(c, &mut workspace));
-                let light = light.collect::<ylm::Result<_>>()?;
-                Kind::Quadrature { grid, light }
-            }
+            SpecularWay::Quadrature => Kind::Quadrature(on_grid(&mut workspace)?),
         };
         Ok(Self { bands, tint, channels, kind })
     }
@@ -110,15 +114,15 @@ impl GlossyLight {
     /// The light's product matrices band by band, if it was made for that way.
     pub(in crate::shade) fn band_forms(&self) -> Option<&BandForms<f32>> {
         match &self.kind {
-            Kind::BandForms(forms) => Some(forms),
+            Kind::BandForms(forms, _) => Some(forms),
             _ => None,
         }
     }
 
-    /// The grid and the light's values on it, if it was made for that way.
+    /// The grid and the light's values on it, if it was made for a way that needs them.
     pub(in crate::shade) fn on_grid(&self) -> Option<(&Grid<f32>, &[Values<f32>])> {
         match &self.kind {
-            Kind::Quadrature { grid, light } => Some((grid, light)),
+            Kind::BandForms(_, (grid, values)) | Kind::Quadrature((grid, values)) => Some((grid, values)),
             _ => None,
         }
     }
@@ -169,7 +173,7 @@ impl GlossyLight {
         let Scratch { workspace, axes, lobes, received, integrals, tiles } = scratch;
         let (width, channels) = (self.bands.coeff_count(), self.channels.len());
         integrals.resize(axes.len() * channels, 0.0);
-        if !matches!(self.kind, Kind::Quadrature { .. }) {
+        if !matches!(self.kind, Kind::Quadrature(_)) {
             turn_lobes(lobe, axes, lobes)?;
         }
         match &self.kind {
@@ -194,7 +198,7 @@ impl GlossyLight {
                     }
                 }
             }
-            Kind::BandForms(forms) => {
+            Kind::BandForms(forms, _) => {
                 tiles.resize(2 * width, [0.0; PAIRS]);
                 let (of_lobes, of_vectors) = tiles.split_at_mut(width);
                 let points = vectors.chunks(PAIRS * width).zip(lobes.chunks(PAIRS * width));
@@ -209,8 +213,8 @@ impl GlossyLight {
                     }
                 }
             }
-            Kind::Quadrature { grid, light } => {
-                grid.lobe_integrals(vectors, lobe, axes, light, integrals, workspace)?;
+            Kind::Quadrature((grid, values)) => {
+                grid.lobe_integrals(vectors, lobe, axes, values, integrals, workspace)?;
             }
         }
         Ok(())
