@@ -102,6 +102,23 @@ fn a_spin_writes_numbered_pictures_and_measures_them() {
 }
 
 #[test]
+fn coherence_lets_a_spin_change_by_no_more_than_its_step_beyond_its_bands() {
+    let place = baked();
+    // Coarse thresholds, so that bands come and go.
+    let spin = |name: &str, arguments: &str| {
+        let adaptive = "--shading adaptive --stages foreseen --psnr 25 --spin 90";
+        place.json(&format!("render cube.safetensors -o {name}.png {adaptive} {arguments} {LIGHT}"))["spin"]
+            .clone()
+    };
+    let excess = |told: &serde_json::Value| told["excess_over_full"].as_f64().unwrap();
+    let (alone, coherent, usual) = (spin("a", "--coherence 0"), spin("b", "--coherence 1e-4"), spin("c", ""));
+    assert_eq!((&coherent["coherence"], &usual["coherence"]), (&0.0001f32.into(), &0.001f32.into()));
+    assert!(excess(&coherent) < excess(&alone), "{alone} {coherent}");
+    // Of each of the two parts; what moves with the view does so besides.
+    assert!(excess(&coherent) <= excess(&usual), "{coherent} {usual}");
+}
+
+#[test]
 fn the_reference_is_glossy_where_a_material_is_given() {
     let place = baked();
     // Six bands of light on both sides; the bake's 64 rays a vertex are most of the difference.
