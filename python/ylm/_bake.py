@@ -5,13 +5,14 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+
 from ylm import _native
 from ylm._arrays import counted, whole
 from ylm._baked import Baked
 from ylm._mesh import Mesh
+from ylm._types import Path, Progress
 
-Path = str | os.PathLike[str]
 _RAYS = {"preview": 256, "medium": 1024, "final": 4096}
 
 
@@ -30,7 +31,7 @@ def bake(
     t_max: float = math.inf,
     seed: int = 0,
     threads: int | None = None,
-    progress: Callable[[str, int, int], bool | None] | None = None,
+    progress: Progress | None = None,
 ) -> Baked:
     """How light reaches each point of a mesh, once and for all lights.
 

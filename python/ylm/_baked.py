@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,11 +14,11 @@ from ylm._arrays import Array, whole
 from ylm._light import Light
 from ylm._notebook import shown
 from ylm._relight import Relighting
+from ylm._types import Path, Progress
+from ylm._view import AZIMUTH, ELEVATION, FIELD_OF_VIEW, Viewed, behind
 
-Path = str | os.PathLike[str]
 
-
-class Baked(Relighting):
+class Baked(Relighting, Viewed):
     """A baked scene: everything that relighting needs, and nothing of the light.
 
     Made by `bake` and `load`. Arrays are read-only views of the scene's own memory, not copies.
@@ -144,7 +143,7 @@ class Baked(Relighting):
         bias: float = 1e-5,
         t_max: float = math.inf,
         threads: int | None = None,
-        progress: Callable[[str, int, int], bool | None] | None = None,
+        progress: Progress | None = None,
     ) -> Array:
         """The share of the cosine-weighted hemisphere that each point sees: ambient occlusion, float32, shape (p,).
 
@@ -158,26 +157,18 @@ class Baked(Relighting):
         rays, seed = whole("rays", rays, 2**32), whole("seed", seed, 2**64)
         return _native.visible_shares(self._baked, (rays, seed, bias, t_max), threads, progress)
 
-    def eye(
-        self,
-        azimuth: float = math.radians(30),
-        elevation: float = math.radians(18),
-        distance: float | None = None,
-        field_of_view: float = math.radians(35),
-        aspect: float = 4 / 3,
-    ) -> Array:
-        """Where the camera of `render` stands, shape (3,)."""
-        return np.array(self._baked.eye((azimuth, elevation, field_of_view), distance, aspect))
+    def _camera(self, view: tuple[float, float, float], distance: float | None, aspect: float) -> list[float]:
+        return self._baked.eye(view, distance, aspect)
 
     def render(
         self,
         radiance: ArrayLike,
         size: tuple[int, int] = (800, 600),
         *,
-        azimuth: float = math.radians(30),
-        elevation: float = math.radians(18),
+        azimuth: float = AZIMUTH,
+        elevation: float = ELEVATION,
         distance: float | None = None,
-        field_of_view: float = math.radians(35),
+        field_of_view: float = FIELD_OF_VIEW,
         samples: int = 16,
         background: ArrayLike | Light = (0, 0, 0),
     ) -> Array:
@@ -212,10 +203,9 @@ class Baked(Relighting):
         >>> baked.render(baked.shade("sky:overcast"), (64, 48), samples=4).shape
         (48, 64, 3)
         """
-        behind: Any = background._light if isinstance(background, Light) else np.asarray(background, np.float64).tolist()
         width, height = size
         view = (azimuth, elevation, field_of_view)
-        return self._baked.render(radiance, view, distance, (width, height, samples), behind)
+        return self._baked.render(radiance, view, distance, (width, height, samples), behind(background))
 
     def _facts(self) -> list[tuple[str, str]]:
         """What a reader wants to know, in words."""

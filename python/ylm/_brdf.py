@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from ylm import _native
 from ylm._arrays import Array, broadcast_leading, counted
+from ylm._types import Path
 
 
 class Brdf:
@@ -43,7 +44,7 @@ class Brdf:
     _brdf: _native.Brdf
     _words: str
 
-    def __init__(self, words: str | os.PathLike[str]) -> None:
+    def __init__(self, words: Path) -> None:
         self._words = os.fspath(words)
         self._brdf = _native.Brdf(self._words)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,8 +11,7 @@ from numpy.typing import ArrayLike
 from ylm import _native
 from ylm._arrays import Array, counted, whole
 from ylm._mesh import Mesh
-
-Path = str | os.PathLike[str]
+from ylm._types import Path, Progress
 
 
 class Field:
@@ -119,7 +117,7 @@ def bake_field(
     rays: int | None = None,
     seed: int = 0,
     threads: int | None = None,
-    progress: Callable[[str, int, int], bool | None] | None = None,
+    progress: Progress | None = None,
 ) -> Field:
     """What a rigid object hides of the sky, seen from any place around it.
 

@@ -12,8 +12,7 @@ from ylm import _native
 from ylm._arrays import Array, counted
 from ylm._notebook import shown
 from ylm._rotate import Turn
-
-Path = str | os.PathLike[str]
+from ylm._types import Path
 
 
 def _triple(value: ArrayLike) -> tuple[float, float, float]:

@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike
 
 from ylm import _native
 from ylm._arrays import Array
-
-Path = str | os.PathLike[str]
+from ylm._types import Path
 
 
 class Mesh:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from numpy.typing import ArrayLike
 
 from ylm import _native
-from ylm._arrays import Array, counted, triple
+from ylm._arrays import Array, counted
 from ylm._baked import Baked
 from ylm._light import Light
 from ylm._mesh import Mesh
 from ylm._relight import Window, native_light
+from ylm._view import AZIMUTH, ELEVATION, FIELD_OF_VIEW, behind
 
 
 def render_per_pixel(
@@ -25,10 +25,10 @@ def render_per_pixel(
     specular: float = 0.2,
     shininess: float = 20.0,
     window: Window | None = None,
-    azimuth: float = math.radians(30),
-    elevation: float = math.radians(18),
+    azimuth: float = AZIMUTH,
+    elevation: float = ELEVATION,
     distance: float | None = None,
-    field_of_view: float = math.radians(35),
+    field_of_view: float = FIELD_OF_VIEW,
     samples: int = 16,
     background: ArrayLike | Light = (0, 0, 0),
 ) -> Array:
@@ -69,10 +69,9 @@ def render_per_pixel(
     """
     if bands is None:
         bands = surface.bands if isinstance(surface, Baked) else 9
-    behind: Any = background._light if isinstance(background, Light) else list(triple("background", background))
     width, height = size
     taken = ((azimuth, elevation, field_of_view), distance, (width, height, samples))
     native: Any = surface._baked if isinstance(surface, Baked) else surface._mesh
     in_bands = (counted("bands", bands, 1), window)
     material = (diffuse, specular, shininess)
-    return _native.render_per_pixel(native, native_light(light), material, in_bands, taken, behind)
+    return _native.render_per_pixel(native, native_light(light), material, in_bands, taken, behind(background))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,11 +12,11 @@ from ylm._arrays import Array, broadcast_leading, counted, triple, whole
 from ylm._brdf import Brdf
 from ylm._frames import AdaptiveFrame, Judged, Region
 from ylm._light import Light
+from ylm._types import Progress
 from ylm._window import window as damped
 
 #: A window against ringing, as `ylm.window` takes it: ("hann", 6), ("poisson", 0.9) and so on.
 Window = tuple[str, float]
-Progress = Callable[[str, int, int], bool | None]
 
 
 def lit(light: Any) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,10 +20,10 @@ from ylm._frames import Judged
 from ylm._light import Light
 from ylm._mesh import Mesh
 from ylm._notebook import shown
-from ylm._relight import Progress, Window, native_light
+from ylm._relight import Window, native_light
 from ylm._rotate import Turn
-
-Path = str | os.PathLike[str]
+from ylm._types import Path, Progress
+from ylm._view import AZIMUTH, ELEVATION, FIELD_OF_VIEW, Viewed, behind
 
 
 class Actor(NamedTuple):
@@ -127,7 +127,7 @@ class Surface(NamedTuple):
     triangles: Array
 
 
-class Stage:
+class Stage(Viewed):
     """Objects that move under a light, ready to be shaded at any time.
 
     Parameters
@@ -287,16 +287,8 @@ class Stage:
         towards = None if eye is None else triple("eye", eye)
         return Judged(*self._stage.reference(time, effort, towards, progress))
 
-    def eye(
-        self,
-        azimuth: float = math.radians(30),
-        elevation: float = math.radians(18),
-        distance: float | None = None,
-        field_of_view: float = math.radians(35),
-        aspect: float = 4 / 3,
-    ) -> Array:
-        """Where the camera of `render` stands, shape (3,)."""
-        return np.array(self._stage.eye(self._seen_at(), (azimuth, elevation, field_of_view), distance, aspect))
+    def _camera(self, view: tuple[float, float, float], distance: float | None, aspect: float) -> list[float]:
+        return self._stage.eye(self._seen_at(), view, distance, aspect)
 
     def _seen_at(self) -> list[float]:
         """Times at which the camera sees all objects."""
@@ -309,10 +301,10 @@ class Stage:
         time: float,
         size: tuple[int, int] = (800, 600),
         *,
-        azimuth: float = math.radians(30),
-        elevation: float = math.radians(18),
+        azimuth: float = AZIMUTH,
+        elevation: float = ELEVATION,
         distance: float | None = None,
-        field_of_view: float = math.radians(35),
+        field_of_view: float = FIELD_OF_VIEW,
         samples: int = 16,
         background: ArrayLike | Light | None = None,
     ) -> Array:
@@ -332,12 +324,9 @@ class Stage:
         -------
         ndarray of float32, shape (height, width, 3)
         """
-        if background is None:
-            background = self.light
-        behind: Any = background._light if isinstance(background, Light) else list(triple("background", background))
         width, height = size
         taken = ((azimuth, elevation, field_of_view), distance, (width, height, samples))
-        return self._stage.render(radiance, time, self._seen_at(), taken, behind)
+        return self._stage.render(radiance, time, self._seen_at(), taken, behind(self.light if background is None else background))
 
     def _repr_html_(self) -> str:
         """For notebooks: the objects at the beginning, and what they are."""
@@ -392,7 +381,7 @@ def _native_material(material: Brdf | str | None) -> _native.Brdf | None:
     return (material if isinstance(material, Brdf) else Brdf(material))._brdf
 
 
-def load_stage(path: Path, *, bake_missing: bool = False, progress: Callable[[str, int, int], bool | None] | None = None) -> Stage:
+def load_stage(path: Path, *, bake_missing: bool = False, progress: Progress | None = None) -> Stage:
     """Reads a scene of objects that move (.json), and all files that it names.
 
     Parameters
