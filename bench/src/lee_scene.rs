@@ -90,10 +90,8 @@ pub fn probe(options: &Options, file: &str, bands: usize) -> Option<LightCoeffs>
     let path = options.data.join("probes").join(file);
     let light = Light::parse(&path.to_string_lossy()).and_then(|light| light.project(bands_of(bands)));
     let mut light = light.map_err(|error| eprintln!("left out: {error}")).ok()?;
-    let mean =
-        Vec3::from(light.channels.each_ref().map(|channel| channel[0])) / (4.0 * std::f32::consts::PI).sqrt();
     // Rec. 709 luminance.
-    let scale = 0.5 / mean.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+    let scale = 0.5 / light.mean_radiance().dot(Vec3::new(0.2126, 0.7152, 0.0722));
     light.channels.iter_mut().flatten().for_each(|coeff| *coeff *= scale);
     Some(light)
 }
