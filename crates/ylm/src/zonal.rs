@@ -1,5 +1,7 @@
 //! Functions that depend on the angle to an axis alone: light discs, the clamped cosine, kernels.
 
+mod discs;
+
 use std::f64::consts::PI;
 
 use crate::bands::Bands;
@@ -9,6 +11,8 @@ use crate::legendre;
 use crate::quadrature::gauss_legendre;
 use crate::real::Real;
 use crate::simd::Level;
+
+pub use discs::discs;
 
 /// A function around +z: its coefficients z_l of Y_l0; all others are 0.
 #[derive(Clone, Debug, PartialEq)]

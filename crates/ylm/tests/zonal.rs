@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use serde_json::Value;
 use ylm::eval::eval;
 use ylm::quadrature::gauss_legendre;
-use ylm::zonal::Zonal;
-use ylm::{Bands, Error, Level, legendre};
+use ylm::zonal::{Zonal, discs};
+use ylm::{Bands, Error, Level, Real, legendre};
 
 #[path = "../../../testdata/data.rs"]
 mod data;
@@ -234,4 +234,65 @@ fn a_table_of_a_straight_function_is_that_function() {
     ] {
         assert!(Zonal::<f64>::tabulated(wrong, bands).is_err(), "{wrong:?}");
     }
+}
+
+/// The largest error of [`discs`] over z_0 of the disc.
+fn error_of_discs<T: Real>(count: usize, bands: Bands) -> f64 {
+    let angles: Vec<f64> = (0..count).map(|k| PI * (k as f64 / (count - 1) as f64).powi(3)).collect();
+    let directions: Vec<[T; 3]> = (0..count)
+        .map(|k| [(k as f64).sin(), (1.7 * k as f64).cos(), (0.3 * k as f64).sin()].map(T::from_f64))
+        .collect();
+    // Of any length, as a sphere's radius and what is left of its distance.
+    let half_angles: Vec<[T; 2]> =
+        angles.iter().map(|a| [3.0 * a.cos(), 3.0 * a.sin().max(0.0)].map(T::from_f64)).collect();
+    let mut out = vec![T::ZERO; count * bands.coeff_count()];
+    discs(&directions, &half_angles, bands, &mut out).unwrap();
+    let mut expected = vec![0.0; bands.coeff_count()];
+    let mut largest = 0.0f64;
+    for (k, found) in out.chunks(bands.coeff_count()).enumerate() {
+        // Of the numbers as they were given.
+        let [cos, sin] = half_angles[k].map(T::to_f64);
+        let disc = Zonal::<f64>::disc(sin.atan2(cos), bands).unwrap();
+        disc.rotate(directions[k].map(T::to_f64), &mut expected).unwrap();
+        for (a, b) in found.iter().zip(&expected) {
+            let error = (a.to_f64() - b).abs();
+            assert!(error.is_finite());
+            largest = largest.max(error / disc.coeffs()[0].max(f64::MIN_POSITIVE));
+        }
+    }
+    largest
+}
+
+#[test]
+fn many_discs_are_each_a_disc_turned() {
+    for n in [1, 2, 6, 20] {
+        let bands = Bands::new(n).unwrap();
+        for count in [2, 16, 17, 100] {
+            let errors = [error_of_discs::<f32>(count, bands), error_of_discs::<f64>(count, bands)];
+            println!("{n} bands, {count} discs: {errors:?}");
+            assert!(errors[0] <= 3e-6 && errors[1] <= 1e-14, "{n} bands, {count} discs: {errors:?}");
+        }
+    }
+}
+
+#[test]
+fn discs_that_are_none_are_errors() {
+    let (bands, z) = (Bands::new(2).unwrap(), [0.0, 0.0, 1.0]);
+    let mut out = [0.0; 8];
+    let mut of = |half_angle: [f64; 2]| discs(&[z, z], &[[1.0, 0.0], half_angle], bands, &mut out);
+    assert!(of([-2.0, 0.0]).is_ok());
+    assert_eq!(
+        of([1.0, -0.5]).unwrap_err().to_string(),
+        "the sine of a half angle is -0.5; it must not be negative"
+    );
+    assert_eq!(
+        of([0.0, 0.0]).unwrap_err().to_string(),
+        "the length of a half angle's cosine and sine is 0; it must be finite and not 0"
+    );
+    for wrong in [[f64::NAN, 0.0], [0.0, f64::NAN], [f64::INFINITY, 1.0], [1.0, f64::INFINITY]] {
+        assert!(of(wrong).is_err(), "{wrong:?}");
+    }
+    assert!(matches!(discs(&[z], &[], bands, &mut [0.0; 4]), Err(Error::Length { .. })));
+    assert!(matches!(discs(&[z], &[[1.0, 0.0]], bands, &mut [0.0; 3]), Err(Error::Length { .. })));
+    assert!(matches!(discs(&[[0.0; 3]], &[[1.0, 0.0]], bands, &mut [0.0; 4]), Err(Error::Direction { .. })));
 }

@@ -5,14 +5,12 @@
 //!
 //! [Mézières & Paulin 2021] "Efficient spherical harmonic shading for separable BRDF"
 
-use std::f64::consts::PI;
-
 use glam::{Mat3, Vec3};
 use ylm::Bands;
 use ylm::product::clamped_cosine::diffuse_from_product;
 use ylm::rotate::FrameRotation;
 use ylm::window::Window;
-use ylm::zonal::Zonal;
+use ylm::zonal::{Zonal, discs};
 
 use crate::error::{Error, Result};
 use crate::light::{Light, LightCoeffs, Source};
@@ -73,9 +71,8 @@ struct Scratch {
     received: Vec<f32>,
     world: Vec<f32>,
     directions: Vec<[f32; 3]>,
-    rims: Vec<[f32; 3]>,
+    half_angles: Vec<[f32; 2]>,
     basis: Vec<f32>,
-    of_rims: Vec<f32>,
 }
 
 impl<'a> PixelShader<'a> {
@@ -163,7 +160,7 @@ impl<'a> PixelShader<'a> {
 
     /// The light of each place in its normal's frame.
     fn gather_light(&self, scratch: &mut Scratch) -> Result<()> {
-        let Scratch { places, light, world, directions, rims, basis, of_rims, .. } = scratch;
+        let Scratch { places, light, world, directions, half_angles, basis, .. } = scratch;
         let bands = self.receiver.bands();
         let width = bands.coeff_count();
         light.clear();
@@ -186,17 +183,13 @@ impl<'a> PixelShader<'a> {
             self.turn_into_frames(places, 3, world, light)?;
         }
         for sphere in spheres {
-            sphere.look(places, directions, rims);
+            sphere.look(places, directions, half_angles);
             basis.resize(places.len() * width, 0.0);
-            of_rims.resize(places.len() * width, 0.0);
-            ylm::basis::basis(directions, bands, basis)?;
-            ylm::basis::basis(rims, bands, of_rims)?;
-            for (k, light) in light.chunks_exact_mut(3 * width).enumerate() {
-                let range = k * width..(k + 1) * width;
-                let (values, rim) = (&mut basis[range.clone()], &of_rims[range]);
-                scale_to_disc(values, rim, rims[k], weights);
+            discs(directions, half_angles, bands, basis)?;
+            for (light, disc) in light.chunks_exact_mut(3 * width).zip(basis.chunks_exact_mut(width)) {
+                weigh(disc, weights);
                 for (light, radiance) in light.chunks_exact_mut(width).zip(sphere.radiance.to_array()) {
-                    light.iter_mut().zip(&*values).for_each(|(light, value)| *light += radiance * value);
+                    light.iter_mut().zip(&*disc).for_each(|(light, value)| *light += radiance * value);
                 }
             }
         }
@@ -284,43 +277,22 @@ impl Lights {
 }
 
 impl Sphere {
-    /// The direction to the middle in each place's frame, and one from z to the rim of the disc that the sphere is: straight down from inside of
-    /// it, where the disc is all directions.
-    fn look(&self, places: &[Place], directions: &mut Vec<[f32; 3]>, rims: &mut Vec<[f32; 3]>) {
+    /// The direction to the middle in each place's frame, and the half angle of the disc that the sphere is: π from inside of it, where the
+    /// disc is all directions.
+    fn look(&self, places: &[Place], directions: &mut Vec<[f32; 3]>, half_angles: &mut Vec<[f32; 2]>) {
         directions.clear();
-        rims.clear();
+        half_angles.clear();
         for place in places {
             let offset = self.centre - place.position;
             let distance = offset.length();
             let direction = place.world_from_local.transpose() * offset;
             directions.push(if distance > 0.0 { direction.to_array() } else { [0.0, 0.0, 1.0] });
-            rims.push(if distance >= self.radius {
+            half_angles.push(if distance >= self.radius {
                 let sin = self.radius / distance;
-                [sin, 0.0, ((1.0 - sin) * (1.0 + sin)).sqrt()]
+                [((1.0 - sin) * (1.0 + sin)).sqrt(), sin]
             } else {
-                [0.0, 0.0, -1.0]
+                [-1.0, 0.0]
             });
-        }
-    }
-}
-
-/// Makes of the basis towards a disc's middle the coefficients of the disc, whose rim is `direction` with basis `rim`: [`Zonal::disc`].
-fn scale_to_disc(values: &mut [f32], rim: &[f32], direction: [f32; 3], weights: &[f32]) {
-    let [sin, _, cos] = direction;
-    // 1 − cos, without cancellation.
-    let height = if cos >= 0.0 { sin * sin / (1.0 + cos) } else { 1.0 - cos };
-    let n = (values.len() as f64).sqrt() as usize;
-    for l in 0..n {
-        let factor = match l {
-            0 => 2.0 * PI as f32 * height,
-            _ => {
-                let lf = l as f32;
-                let degree = (lf * (lf + 1.0)).sqrt() * (2.0 * lf + 1.0).sqrt();
-                -(8.0f32).sqrt() * (PI * PI.sqrt()) as f32 * sin * rim[l * (l + 1) + 1] / degree
-            }
-        };
-        for i in l * l..(l + 1) * (l + 1) {
-            values[i] *= factor * weights[i];
         }
     }
 }
