@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use ylm_prt::light::Light as LightOf;
 use ylm_prt::reference::{
     Irradiance, Occlusion, PhongLobe, SeenSurface, Settings, bounced_irradiance, irradiance, reflected,
-    specular,
+    reflected_by_parts, specular,
 };
 use ylm_prt::scene::{Blockers, Bvh, LightingPoints, ball};
 use ylm_prt::shade::Ball;
@@ -151,9 +151,9 @@ impl Judge<'_> {
 /// What a diffuse surface makes of irradiance, `share` of ρ/π E and what it sends out itself, and the error of that.
 fn of_diffuse(points: &LightingPoints, irradiance: &Irradiance, share: f32) -> Found {
     let over_pi = |point: usize| share * (Vec3::from(points.albedo[point]) * std::f32::consts::FRAC_1_PI);
-    let emission = |point: usize| points.emission.as_ref().map_or(Vec3::ZERO, |all| all[point].into());
     let count = points.positions.len();
-    let radiance = (0..count).map(|point| over_pi(point) * irradiance.values[point] + emission(point));
+    let radiance =
+        (0..count).map(|point| over_pi(point) * irradiance.values[point] + points.emission_of(point));
     let errors = (0..count).map(|point| over_pi(point) * irradiance.standard_errors[point]);
     (radiance.collect(), errors.collect())
 }
@@ -168,27 +168,10 @@ pub fn judge_stage(
 ) -> ylm_prt::Result<Found> {
     let surface = stage.surface(time);
     let bvh = Bvh::build(&surface.positions, &surface.triangles);
-    let (light, occlusion) = (&stage.light, Occlusion::By(&bvh));
+    let (parts, occlusion) = (stage.parts(time), Occlusion::By(&bvh));
     let goes_on = |done: usize| watch.goes_on(done);
-    let (mut radiance, mut errors) = (Vec::new(), Vec::new());
-    for ((actor, range), pose) in stage.ranges().zip(stage.poses(time)) {
-        let at: Vec<u32> = range.clone().map(|point| point as u32).collect();
-        let (found, share) = match &actor.material {
-            None => {
-                let found = irradiance(&surface, &at, occlusion, light, settings, &goes_on)?;
-                (found, std::f32::consts::FRAC_1_PI)
-            }
-            Some(material) => {
-                let seen = SeenSurface { brdf: &material.brdf, axis: pose.rotation * Vec3::Y, eye };
-                (reflected(&surface, &at, occlusion, light, &seen, settings, &goes_on)?, 1.0)
-            }
-        };
-        for (point, (value, error)) in range.zip(found.values.iter().zip(&found.standard_errors)) {
-            let albedo = share * Vec3::from(surface.albedo[point]);
-            let emission = surface.emission.as_ref().map_or(Vec3::ZERO, |emission| emission[point].into());
-            radiance.push(albedo * *value + emission);
-            errors.push(albedo * *error);
-        }
-    }
-    Ok((radiance, errors))
+    let found = reflected_by_parts(&surface, &parts, occlusion, &stage.light, eye, settings, &goes_on)?;
+    let values = found.values.iter().enumerate();
+    let radiance = values.map(|(point, value)| *value + surface.emission_of(point)).collect();
+    Ok((radiance, found.standard_errors))
 }

@@ -122,17 +122,12 @@ fn irradiance_behind(baked: &Baked, occlusion: Occlusion, light: &Light, rays: u
 /// What a diffuse surface makes of irradiance, ρ/π E, and what it sends out itself.
 pub fn reflect(points: &LightingPoints, irradiance: &Irradiance) -> Vec<Vec3> {
     let reflected = irradiance.values.iter().enumerate().map(|(point, &e)| e * over_pi(points, point));
-    reflected.enumerate().map(|(point, radiance)| radiance + emission(points, point)).collect()
+    reflected.enumerate().map(|(point, radiance)| radiance + points.emission_of(point)).collect()
 }
 
 /// Albedo / π of a point.
 fn over_pi(points: &LightingPoints, point: usize) -> Vec3 {
     Vec3::from(points.albedo[point]) * std::f32::consts::FRAC_1_PI
-}
-
-/// What a point sends out itself.
-fn emission(points: &LightingPoints, point: usize) -> Vec3 {
-    points.emission.as_ref().map_or(Vec3::ZERO, |emission| emission[point].into())
 }
 
 /// A glossy surface towards an eye, by rays: light that bounced is reflected by the diffuse part alone, as in `--shading glossy`.
@@ -163,7 +158,7 @@ pub fn glossy_reference(
         noise += of_diffuse.as_dvec3().length_squared()
             + mirrored.standard_errors[point].as_dvec3().length_squared();
         signal += reflected.as_dvec3().length_squared();
-        radiance.push(reflected + emission(points, point));
+        radiance.push(reflected + points.emission_of(point));
     }
     let noise = if noise == 0.0 { 0.0 } else { (noise / signal).sqrt() };
     Ok(Shaded { radiance, noise: Some(noise) })

@@ -40,7 +40,7 @@ impl PackedScene {
         let surface = |point: usize| Surface {
             reflectance: points.albedo[point].map(|albedo| albedo * std::f32::consts::FRAC_1_PI),
             emitted: emitted(point),
-            emission: points.emission.as_ref().map_or([0.0; 3], |emission| emission[point]),
+            emission: points.emission_of(point).to_array(),
             ..Surface::default()
         };
         let place = |point: usize| Place {

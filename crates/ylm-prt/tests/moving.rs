@@ -10,7 +10,7 @@ use ylm::rotate::Rotation;
 use ylm::zonal::Zonal;
 use ylm_prt::field::{FieldScratch, FieldSettings, OcclusionField, SphereSet, bake_field, radial_frame};
 use ylm_prt::light::Light;
-use ylm_prt::reference::{Occlusion, SeenSurface, Settings, irradiance, reflected};
+use ylm_prt::reference::{Occlusion, SeenSurface, Settings, irradiance, reflected, reflected_by_parts};
 use ylm_prt::scene::brdf::{Brdf, surface_frame};
 use ylm_prt::scene::{Bvh, LightingPoints, Mesh, Pose, ball};
 use ylm_prt::shade::{Apart, FieldFrame, FieldProduct, FieldShading};
@@ -268,6 +268,39 @@ fn a_glossy_ground_shows_objects_shadows_as_rays_do() {
     let open = error(&stage);
     println!("glossy ground: {shadowed}, without shadows {open}");
     assert!(shadowed <= 0.03 && open > 3.0 * shadowed, "{shadowed} {open}");
+}
+
+#[test]
+fn each_part_of_a_surface_reflects_as_its_material_and_turns_with_its_object() {
+    let mut stage = stage(2, "sky:clear?sun=50,30");
+    let brdf: Brdf = "ward:0.2,0.6".parse().unwrap();
+    stage.actors[1].material = Some(Arc::new(Material::new(brdf.clone())));
+    let (mut surface, axis) = (stage.surface(0.0), stage.poses(0.0)[1].rotation * Vec3::Y);
+    surface.albedo = (0..surface.albedo.len()).map(|k| [0.2, 0.4, 0.1 + 0.01 * k as f32]).collect();
+    let bvh = Bvh::build(&surface.positions, &surface.triangles);
+    let (occlusion, settings) = (Occlusion::By(&bvh), Settings { rays: 64, ..Settings::default() });
+    let (parts, light, eye) = (stage.parts(0.0), &stage.light, EXACT.eye);
+    let found = reflected_by_parts(&surface, &parts, occlusion, light, eye, &settings, &|_| true).unwrap();
+    let all: Vec<u32> = (0..surface.positions.len() as u32).collect();
+    let diffuse = irradiance(&surface, &all, occlusion, light, &settings, &|_| true).unwrap();
+    let seen = SeenSurface { brdf: &brdf, axis, eye };
+    let brushed = reflected(&surface, &all, occlusion, light, &seen, &settings, &|_| true).unwrap();
+    assert_eq!(found.values.len(), all.len());
+    for point in 0..all.len() {
+        let albedo = Vec3::from(surface.albedo[point]);
+        let (expected, share) = if parts[1].points.contains(&point) {
+            (&brushed, albedo)
+        } else {
+            (&diffuse, albedo / std::f32::consts::PI)
+        };
+        let pairs = [
+            (found.values[point], expected.values[point]),
+            (found.standard_errors[point], expected.standard_errors[point]),
+        ];
+        for (found, expected) in pairs {
+            assert!(found.distance(share * expected) <= 1e-6 * found.length(), "{point}: {found}");
+        }
+    }
 }
 
 /// Nine balls here and there over a ground.

@@ -10,7 +10,7 @@ use ylm::window::Window;
 use ylm_prt::error::{Error, Result};
 use ylm_prt::field::SphereSet;
 use ylm_prt::format::open_stage;
-use ylm_prt::reference::{Occlusion, SeenSurface, Settings, irradiance, reflected};
+use ylm_prt::reference::{Occlusion, Settings, reflected_by_parts};
 use ylm_prt::render::{Raster, render};
 use ylm_prt::scene::{Bvh, LightingPoints};
 use ylm_prt::shade::{FieldProduct, FieldShading};
@@ -284,32 +284,11 @@ fn reference(
 ) -> Result<Shaded> {
     let settings = Settings { rays, ..Settings::default() };
     let goes_on = |_done: usize| !interrupt::is_interrupted();
-    let occlusion = Occlusion::By(bvh);
-    let mut radiance = Vec::with_capacity(surface.positions.len());
-    let (mut noise, mut signal) = (0.0, 0.0);
-    for ((actor, range), pose) in stage.ranges().zip(stage.poses(time)) {
-        let at: Vec<u32> = range.clone().map(|point| point as u32).collect();
-        let (found, factor) = match &actor.material {
-            None => {
-                let found = irradiance(surface, &at, occlusion, &stage.light, &settings, &goes_on)?;
-                (found, std::f32::consts::FRAC_1_PI)
-            }
-            Some(material) => {
-                let seen = SeenSurface { brdf: &material.brdf, axis: pose.rotation * Vec3::Y, eye };
-                let found = reflected(surface, &at, occlusion, &stage.light, &seen, &settings, &goes_on)?;
-                (found, 1.0)
-            }
-        };
-        for (point, (value, error)) in range.zip(found.values.iter().zip(&found.standard_errors)) {
-            let albedo = factor * Vec3::from(surface.albedo[point]);
-            noise += (albedo * *error).as_dvec3().length_squared();
-            signal += (albedo * *value).as_dvec3().length_squared();
-            let emission = surface.emission.as_ref().map_or(Vec3::ZERO, |emission| emission[point].into());
-            radiance.push(albedo * *value + emission);
-        }
-    }
-    let noise = if noise == 0.0 { 0.0 } else { (noise / signal).sqrt() };
-    Ok(Shaded { noise: Some(noise), radiance })
+    let (parts, occlusion) = (stage.parts(time), Occlusion::By(bvh));
+    let found = reflected_by_parts(surface, &parts, occlusion, &stage.light, eye, &settings, &goes_on)?;
+    let values = found.values.iter().enumerate();
+    let radiance = values.map(|(point, value)| *value + surface.emission_of(point)).collect();
+    Ok(Shaded { noise: Some(found.relative_noise()), radiance })
 }
 
 /// Gives each object that casts a shadow its balls; objects of one surface share them.

@@ -32,7 +32,7 @@ pub use camera::{Camera, View};
 pub(crate) use icosahedron::icosahedron;
 pub use mesh::{Material, Materials, Mesh, Normals};
 pub use neighbours::Neighbours;
-pub use points::LightingPoints;
+pub use points::{LightingPoints, SurfacePart};
 pub use pose::Pose;
 pub use read::{AlbedoSource, MeshFault, NonFinite, ReadOptions, Repairs, UpAxis};
 pub use texture::TextureFault;

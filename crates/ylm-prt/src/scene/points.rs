@@ -1,10 +1,12 @@
 //! Lighting points: the unique position–normal pairs of a mesh. [Green03] "SH Lighting Diffuse Surfaces"
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use glam::Vec3;
 
 use crate::error::{Error, Result};
+use crate::scene::brdf::Brdf;
 use crate::scene::mesh::{Material, Mesh};
 use crate::scene::normals::triangle_normal;
 
@@ -21,6 +23,17 @@ pub struct LightingPoints {
     pub emission: Option<Vec<[f32; 3]>>,
     /// The mesh's triangles with area, as indices of lighting points.
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// Points of a surface that are of one material.
+#[derive(Clone, Debug)]
+pub struct SurfacePart<'a> {
+    /// Which points.
+    pub points: Range<usize>,
+    /// How they reflect, times their albedo; `None` if they are diffuse.
+    pub brdf: Option<&'a Brdf>,
+    /// The axis that they are brushed around: [`crate::scene::brdf::surface_frame`].
+    pub axis: Vec3,
 }
 
 impl LightingPoints {
@@ -70,6 +83,11 @@ impl LightingPoints {
         let emits = emission.iter().any(|emission| *emission != [0.0; 3]);
         points.emission = emits.then_some(emission);
         Ok(points)
+    }
+
+    /// Radiance that a point sends out itself.
+    pub fn emission_of(&self, point: usize) -> Vec3 {
+        self.emission.as_ref().map_or(Vec3::ZERO, |emission| emission[point].into())
     }
 
     /// Every `stride`th of the points, without the triangles between them: for bakes of some points of a scene.

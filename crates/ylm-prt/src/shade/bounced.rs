@@ -5,11 +5,6 @@ use glam::Vec3;
 use crate::shade::diffuse::{dot, reflected};
 use crate::transfer::Baked;
 
-/// What a point sends out by itself.
-pub(super) fn emission_of(baked: &Baked, point: usize) -> Vec3 {
-    baked.points.emission.as_ref().map_or(Vec3::ZERO, |emission| emission[point].into())
-}
-
 /// The radiance that leaves a point: what it reflects of direct light, given as irradiance, and of bounced light, and what
 /// it sends out.
 ///
@@ -22,7 +17,7 @@ pub(super) fn leaving<const N: usize>(
     tint: Vec3,
 ) -> Vec3 {
     let albedo = baked.points.albedo[point];
-    let emission = emission_of(baked, point);
+    let emission = baked.points.emission_of(point);
     let Some(bounced) = &baked.transfer.bounced else {
         return reflected(direct * tint, albedo) + emission;
     };

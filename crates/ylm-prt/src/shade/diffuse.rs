@@ -4,7 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::light::LightCoeffs;
-use crate::shade::bounced::{emission_of, leaving};
+use crate::shade::bounced::leaving;
 use crate::shade::grey;
 use crate::transfer::Baked;
 
@@ -70,7 +70,7 @@ pub(super) fn diffuse_share<const N: usize>(
     tint: Vec3,
     share: f32,
 ) -> Vec3 {
-    let emission = emission_of(baked, point);
+    let emission = baked.points.emission_of(point);
     let leaves = leaving(baked, point, irradiance(vector, light), light, tint);
     share * (leaves - emission) + emission
 }

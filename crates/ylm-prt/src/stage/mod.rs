@@ -18,7 +18,7 @@ use ylm::Bands;
 use crate::error::Result;
 use crate::field::{OcclusionField, SphereSet};
 use crate::light::Light;
-use crate::scene::{LightingPoints, Pose};
+use crate::scene::{LightingPoints, Pose, SurfacePart};
 use crate::shade::fields::{Body, FieldFrame, FieldShading, shade_fields};
 
 /// Objects under a light, ready to be shaded at any time.
@@ -108,6 +108,16 @@ impl Stage {
             end += actor.points.positions.len();
             (actor, first..end)
         })
+    }
+
+    /// What [`Stage::surface`] is made of at a time, one part an actor.
+    pub fn parts(&self, time: f32) -> Vec<SurfacePart<'_>> {
+        let parts = self.ranges().zip(self.poses(time)).map(|((actor, points), pose)| SurfacePart {
+            points,
+            brdf: actor.material.as_ref().map(|material| &material.brdf),
+            axis: pose.rotation * Vec3::Y,
+        });
+        parts.collect()
     }
 
     /// How many points there are in all.

@@ -10,7 +10,7 @@ use super::scene::AdaptiveScene;
 use super::settings::{AdaptiveSettings, Ending, Prediction, weight_left};
 use super::specular::Tiles;
 use crate::error::Result;
-use crate::shade::bounced::{emission_of, leaving};
+use crate::shade::bounced::leaving;
 use crate::shade::diffuse::diffuse_share;
 use crate::shade::glossy::{GlossyLight, GlossyMaterial};
 
@@ -144,7 +144,7 @@ impl<'a> Diffuse<'a> {
     /// What bounced light adds, in all of its bands, and what the point sends out: part of the base.
     fn around(&self, point: usize) -> Vec3 {
         let (baked, tint) = (&*self.scene.baked, self.light.tint);
-        let emission = emission_of(baked, point);
+        let emission = baked.points.emission_of(point);
         if baked.transfer.bounced.is_none() {
             return emission;
         }
