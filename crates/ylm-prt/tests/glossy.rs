@@ -92,6 +92,9 @@ fn received_light_is_reflected_as_if_it_were_multiplied_anew() {
             let anew = glossy.reflect(&baked, &material, eye).unwrap();
             let error = difference(&received.reflect(&baked, &material, eye).unwrap(), &anew);
             assert!(error <= 2e-6, "{error:e}");
+            let all = shade_glossy_by(&baked, &glossy, &material, eye).unwrap();
+            let error = difference(&received.shade(&baked, &glossy, &material, eye).unwrap(), &all);
+            assert!(error <= 2e-6 && difference(&all, &anew) > 0.01, "{error:e}");
         }
     }
 }

@@ -30,6 +30,15 @@ use specular::Specular;
 use crate::error::{Error, Result};
 use crate::shade::glossy::{GlossyLight, GlossyMaterial};
 
+/// A part of the radiance, which has a region of interest of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AdaptivePart {
+    /// Reflected in all directions, with what bounced and what points send out.
+    Diffuse,
+    /// Reflected around the mirrored view direction.
+    Specular,
+}
+
 /// A frame of adaptive shading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AdaptiveFrame {
@@ -45,13 +54,10 @@ impl AdaptiveFrame {
         self.diffuse.radiance.iter().zip(&self.specular.radiance).map(|(d, s)| d + s).collect()
     }
 
-    /// Bands that were computed at each point of `band_count` beyond the first above the base, which decides whether there are more, and
-    /// the more of diffuse and specular: 0 none, 1 all.
+    /// [`Region::reach`] of the part that has more of each point.
     pub fn reach(&self, base_bands: usize, band_count: usize) -> Vec<f32> {
-        let first = base_bands as f32 + 1.0;
-        let above = (band_count as f32 - first).max(1.0);
-        let pairs = self.diffuse.bands.iter().zip(&self.specular.bands);
-        pairs.map(|(&d, &s)| (f32::from(d.max(s)) - first).max(0.0) / above).collect()
+        let parts = [&self.diffuse, &self.specular].map(|part| part.reach(base_bands, band_count));
+        parts[0].iter().zip(&parts[1]).map(|(d, s)| d.max(*s)).collect()
     }
 }
 
@@ -114,30 +120,74 @@ fn shade_after(
     settings: &AdaptiveSettings,
     past: Option<&mut [Past; 2]>,
 ) -> Result<AdaptiveFrame> {
-    settings.check()?;
-    let bands = light.bands();
-    let unfit = || {
-        Error::Request(format!(
-            "adaptive shading of {} bands needs a light of as many, made for the way {:?}",
-            scene.band_count(),
-            settings.light_way()
-        ))
-    };
-    if bands != scene.baked.transfer.bands {
-        return Err(unfit());
-    }
-    let (grid, values) = light.on_grid().ok_or_else(unfit)?;
+    check(scene, light, settings)?;
     if settings.ending == Ending::Foreseen {
-        return foresee::shade(scene, light, (grid, values), material, eye, settings, past);
+        let on_grid = light.on_grid().ok_or_else(|| unfit(scene, settings))?;
+        return foresee::shade(scene, light, on_grid, material, eye, settings, past);
     }
-    let forms = light.band_forms().ok_or_else(unfit)?;
-    let lobe = material.lobe(bands)?;
-    let diffuse = Diffuse::new(scene, light, *material, settings);
-    let specular = Specular { scene, light, forms, grid, values, lobe, eye, settings };
     let [of_diffuse, of_specular] = past.map_or([None, None], |past| past.each_mut().map(Some));
+    let shade = |part, past| shade_by_itself(part, scene, light, material, eye, settings, past);
     let (diffuse, specular) = rayon::join(
-        || region::shade(&diffuse, scene, settings, of_diffuse),
-        || region::shade(&specular, scene, settings, of_specular),
+        || shade(AdaptivePart::Diffuse, of_diffuse),
+        || shade(AdaptivePart::Specular, of_specular),
     );
     Ok(AdaptiveFrame { diffuse: diffuse?, specular: specular? })
+}
+
+/// One part of what [`shade_adaptive`] gives: parts know nothing of each other, and may be computed apart.
+///
+/// # Errors
+/// As [`shade_adaptive`], and if bands are to be foreseen, which is done for both parts together.
+pub fn shade_adaptive_part(
+    part: AdaptivePart,
+    scene: &AdaptiveScene,
+    light: &GlossyLight,
+    material: &GlossyMaterial,
+    eye: Vec3,
+    settings: &AdaptiveSettings,
+) -> Result<Region> {
+    check(scene, light, settings)?;
+    if settings.ending == Ending::Foreseen {
+        return Err(Error::Request("bands are foreseen for both parts together".to_owned()));
+    }
+    shade_by_itself(part, scene, light, material, eye, settings, None)
+}
+
+fn shade_by_itself(
+    part: AdaptivePart,
+    scene: &AdaptiveScene,
+    light: &GlossyLight,
+    material: &GlossyMaterial,
+    eye: Vec3,
+    settings: &AdaptiveSettings,
+    past: Option<&mut Past>,
+) -> Result<Region> {
+    let forms = light.band_forms().ok_or_else(|| unfit(scene, settings))?;
+    let (grid, values) = light.on_grid().ok_or_else(|| unfit(scene, settings))?;
+    match part {
+        AdaptivePart::Diffuse => {
+            region::shade(&Diffuse::new(scene, light, *material, settings), scene, settings, past)
+        }
+        AdaptivePart::Specular => {
+            let lobe = material.lobe(light.bands())?;
+            let specular = Specular { scene, light, forms, grid, values, lobe, eye, settings };
+            region::shade(&specular, scene, settings, past)
+        }
+    }
+}
+
+fn check(scene: &AdaptiveScene, light: &GlossyLight, settings: &AdaptiveSettings) -> Result<()> {
+    settings.check()?;
+    match light.bands() == scene.baked.transfer.bands {
+        true => Ok(()),
+        false => Err(unfit(scene, settings)),
+    }
+}
+
+fn unfit(scene: &AdaptiveScene, settings: &AdaptiveSettings) -> Error {
+    Error::Request(format!(
+        "adaptive shading of {} bands needs a light of as many, made for the way {:?}",
+        scene.band_count(),
+        settings.light_way()
+    ))
 }

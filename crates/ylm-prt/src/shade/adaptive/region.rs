@@ -47,6 +47,14 @@ impl Region {
         self.stages.iter().filter(|&&s| s == stage).count()
     }
 
+    /// Bands that were computed at each point of `band_count` beyond the first above the base, which decides whether there are more: 0 none,
+    /// 1 all.
+    pub fn reach(&self, base_bands: usize, band_count: usize) -> Vec<f32> {
+        let first = base_bands as f32 + 1.0;
+        let above = (band_count as f32 - first).max(1.0);
+        self.bands.iter().map(|&bands| (f32::from(bands) - first).max(0.0) / above).collect()
+    }
+
     /// The share of points that were not computed to the last band: [LK14]'s filtering ratio.
     pub fn filtered_share(&self, band_count: usize) -> f64 {
         let filtered = self.bands.iter().filter(|&&bands| usize::from(bands) < band_count).count();

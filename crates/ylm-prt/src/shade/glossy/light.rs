@@ -10,6 +10,7 @@ use ylm::{Bands, Level, Workspace};
 use super::{CHUNK, GlossyMaterial, axes_of, check_bands, each_chunk, put_side_by_side, turn_lobes};
 use crate::error::Result;
 use crate::light::LightCoeffs;
+use crate::shade::diffuse::add_diffuse;
 use crate::shade::grey;
 use crate::transfer::Baked;
 
@@ -166,6 +167,14 @@ impl GlossyLight {
             *radiance = self.colour(of_point);
         }
         Ok(())
+    }
+
+    /// Adds what the points from `first` on reflect in all directions, times `share`, and what they send out.
+    pub(super) fn add_diffuse(&self, baked: &Baked, first: usize, radiance: &mut [Vec3], share: f32) {
+        match self.channels.as_slice() {
+            [r, g, b] => add_diffuse(baked, first, radiance, [r, g, b], self.tint, share),
+            channels => add_diffuse(baked, first, radiance, [&channels[0]], self.tint, share),
+        }
     }
 
     /// Writes `scratch.integrals` [point, channel] of transfer vectors and the lobe around the axes in `scratch`.

@@ -22,7 +22,6 @@ use ylm::zonal::Zonal;
 use crate::error::{Error, Result};
 use crate::light::LightCoeffs;
 use crate::scene::LightingPoints;
-use crate::shade::diffuse::add_diffuse;
 use crate::transfer::Baked;
 
 /// Points that a thread does at once: a few batches of 16 side by side.
@@ -68,10 +67,7 @@ pub fn shade_glossy_by(
     each_chunk(baked.points.positions.len(), |first, radiance, scratch| {
         light.reflect_chunk(baked, &lobe, eye, first, radiance, scratch)?;
         // While the transfer vectors are near.
-        match light.channels.as_slice() {
-            [r, g, b] => add_diffuse(baked, first, radiance, [r, g, b], light.tint, material.diffuse),
-            _ => add_diffuse(baked, first, radiance, [&light.channels[0]], light.tint, material.diffuse),
-        }
+        light.add_diffuse(baked, first, radiance, material.diffuse);
         Ok(())
     })
 }

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 use ylm::product::grid::{Factor, Grid};
+use ylm::zonal::Zonal;
 use ylm::{Bands, Workspace};
 
 use super::light::dot;
@@ -61,13 +62,45 @@ impl Received {
     /// # Errors
     /// If the scene has another number of bands, or a number of the material is negative or not finite.
     pub fn reflect(&self, baked: &Baked, material: &GlossyMaterial, eye: Vec3) -> Result<Vec<Vec3>> {
-        check_bands(baked, self.bands)?;
         let lobe = material.lobe(self.bands)?;
+        self.each_point(baked, &lobe, eye, |_, _| {})
+    }
+
+    /// All radiance of each lighting point towards an eye: what [`shade_glossy_by`](super::shade_glossy_by) gives of the light that
+    /// was multiplied.
+    ///
+    /// Cost: that of [`Received::reflect`] and of [`crate::shade::shade_diffuse`].
+    ///
+    /// # Errors
+    /// As [`Received::reflect`], and if the light has another number of bands.
+    pub fn shade(
+        &self,
+        baked: &Baked,
+        light: &GlossyLight,
+        material: &GlossyMaterial,
+        eye: Vec3,
+    ) -> Result<Vec<Vec3>> {
+        check_bands(baked, light.bands())?;
+        let lobe = material.lobe(self.bands)?;
+        self.each_point(baked, &lobe, eye, |first, radiance| {
+            light.add_diffuse(baked, first, radiance, material.diffuse);
+        })
+    }
+
+    /// Specular radiance of all points, and what `add` adds to that of some from an index on.
+    fn each_point(
+        &self,
+        baked: &Baked,
+        lobe: &Zonal<f32>,
+        eye: Vec3,
+        add: impl Fn(usize, &mut [Vec3]) + Sync,
+    ) -> Result<Vec<Vec3>> {
+        check_bands(baked, self.bands)?;
         let width = self.bands.coeff_count();
         each_chunk(baked.points.positions.len(), |first, radiance, scratch: &mut Scratch| {
             let range = first..first + radiance.len();
             axes_of(&baked.points, range, eye, &mut scratch.axes);
-            turn_lobes(&lobe, &scratch.axes, &mut scratch.lobes)?;
+            turn_lobes(lobe, &scratch.axes, &mut scratch.lobes)?;
             let received = self.coeffs[first * self.channels * width..].chunks_exact(self.channels * width);
             for ((radiance, received), lobe) in
                 radiance.iter_mut().zip(received).zip(scratch.lobes.chunks_exact(width))
@@ -79,6 +112,7 @@ impl Received {
                         _ => Vec3::from([0, 1, 2].map(channel)),
                     };
             }
+            add(first, radiance);
             Ok(())
         })
     }
