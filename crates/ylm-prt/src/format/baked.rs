@@ -13,7 +13,7 @@ use ylm::Bands;
 
 use super::container::{
     CONVENTION, Content, check_finite, finite_rows, integer, integer32, map, parse_header, parse_tensors,
-    rows, sha256, text, texts, write_tensors,
+    put_tensors, rows, sha256, text, texts, write_tensors,
 };
 use super::fault::BakedFault;
 use crate::error::{Error, Result};
@@ -37,10 +37,25 @@ const BLOCKERS_KEY: &str = "blockers";
 /// # Errors
 /// If the operating system refuses, or half floats are asked for and a value is more than they hold.
 pub fn write_baked(path: &Path, baked: &Baked) -> Result<()> {
+    write_tensors(path, &metadata(baked), &tensors(baked)?)
+}
+
+/// The bytes of the file that [`write_baked`] writes.
+///
+/// # Errors
+/// If half floats are asked for and a value is more than they hold.
+pub fn baked_bytes(baked: &Baked) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    put_tensors(&mut bytes, &metadata(baked), &tensors(baked)?).expect("memory takes all");
+    Ok(bytes)
+}
+
+/// Names, widths of rows and contents, in the order of the file.
+fn tensors(baked: &Baked) -> Result<Vec<(&str, usize, Content<'_>)>> {
     let (points, blockers, transfer) = (&baked.points, &baked.blockers, &baked.transfer);
     let width = transfer.bands.coeff_count();
     let singles = |values| Content::Singles(vec![values]);
-    let mut tensors: Vec<(&str, usize, Content)> = vec![
+    let mut tensors = vec![
         ("positions", 3, singles(bytemuck::cast_slice(&points.positions))),
         ("normals", 3, singles(bytemuck::cast_slice(&points.normals))),
         ("albedo", 3, singles(bytemuck::cast_slice(&points.albedo))),
@@ -63,7 +78,7 @@ pub fn write_baked(path: &Path, baked: &Baked) -> Result<()> {
     if let Some(visibility) = &transfer.visibility {
         tensors.push(("visibility", width, stored(vec![visibility], width, baked)?));
     }
-    write_tensors(path, &metadata(baked), &tensors)
+    Ok(tensors)
 }
 
 /// Coefficients as the record says that they are stored.

@@ -30,6 +30,15 @@ pub const CONVENTION: &str = "real orthonormal, Condon-Shortley, z polar, index 
 ///
 /// Cost: one pass, no copy of the data.
 pub fn write_tensors(path: &Path, metadata: &Value, tensors: &[(&str, usize, Content)]) -> Result<()> {
+    write_atomically(path, |out| put_tensors(out, metadata, tensors))
+}
+
+/// The bytes that [`write_tensors`] writes.
+pub fn put_tensors(
+    out: &mut dyn io::Write,
+    metadata: &Value,
+    tensors: &[(&str, usize, Content)],
+) -> io::Result<()> {
     let mut end = 0;
     let infos = tensors.iter().map(|(name, width, content)| {
         let (start, dtype, byte_count) = (end, content.dtype(), content.byte_count());
@@ -42,11 +51,9 @@ pub fn write_tensors(path: &Path, metadata: &Value, tensors: &[(&str, usize, Con
     let header = Metadata::new(Some(entries), infos.collect()).expect("the tensors follow each other");
     let mut header = serde_json::to_vec(&header).expect("a header is plain JSON");
     header.resize(header.len().next_multiple_of(8), b' ');
-    write_atomically(path, |out| {
-        out.write_all(&(header.len() as u64).to_le_bytes())?;
-        out.write_all(&header)?;
-        tensors.iter().try_for_each(|(.., content)| content.write(out))
-    })
+    out.write_all(&(header.len() as u64).to_le_bytes())?;
+    out.write_all(&header)?;
+    tensors.iter().try_for_each(|(.., content)| content.write(out))
 }
 
 /// A file's bytes; what else to give is said where there is no file.

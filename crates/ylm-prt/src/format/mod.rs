@@ -8,7 +8,7 @@ mod field;
 mod light;
 mod stage;
 
-pub use baked::{FORMAT_VERSION, parse_baked, read_baked, write_baked};
+pub use baked::{FORMAT_VERSION, baked_bytes, parse_baked, read_baked, write_baked};
 pub use checkpoint::{Checkpoint, Existing, checkpoint_path};
 pub use fault::BakedFault;
 pub use field::{parse_field, read_field, read_kind, write_field};
