@@ -4,10 +4,11 @@ use glam::{Quat, Vec3};
 use wasm_bindgen::prelude::*;
 use ylm::Bands;
 use ylm_prt::light::LightCoeffs;
+use ylm_prt::render::{heat_colour, negative_colour};
 use ylm_prt::scene::{Camera, View};
 use ylm_prt::shade::GlossyMaterial;
 
-use crate::{Look, Shading, Share, band_energies, picture_of_bands};
+use crate::{Look, Shading, Share, band_energies, demo, picture_of_bands};
 
 /// A baked scene of which this worker lights a share.
 #[wasm_bindgen]
@@ -45,6 +46,34 @@ fn coeffs_of(flat: &[f32], bands: Bands) -> Result<LightCoeffs, JsError> {
         return Err(JsError::new(&format!("{} coefficients; {} are three channels", flat.len(), 3 * width)));
     }
     Ok(LightCoeffs { bands, channels: std::array::from_fn(|c| flat[c * width..][..width].to_vec()) })
+}
+
+/// Bakes part `part` of `part_count` of the built-in scene: its transfer, 0 in the other parts.
+///
+/// # Errors
+/// If there are no such bands, or no rays.
+#[wasm_bindgen]
+pub fn bake_demo(bands: usize, rays: u32, part: u32, part_count: u32) -> Result<Vec<f32>, JsError> {
+    demo::bake_part(bands_of(bands)?, rays, part, part_count).map_err(error)
+}
+
+/// The bytes of the built-in scene's file, of the sum of all its parts.
+///
+/// # Errors
+/// If there are no such bands, or another number of values than its points have.
+#[wasm_bindgen]
+pub fn demo_file(bands: usize, rays: u32, vectors: Vec<f32>) -> Result<Vec<u8>, JsError> {
+    demo::file(bands_of(bands)?, rays, vectors).map_err(error)
+}
+
+/// How many colours [`scales`] gives of each scale.
+const COLOUR_COUNT: usize = 256;
+
+/// The scales of false colours as `ylm render` has them, from 0 to 1: that of negative values, then that of heat; [scale, 256, 3].
+#[wasm_bindgen]
+pub fn scales() -> Vec<u8> {
+    let magnitudes = || (0..COLOUR_COUNT).map(|i| i as f32 / (COLOUR_COUNT - 1) as f32);
+    magnitudes().map(negative_colour).chain(magnitudes().map(heat_colour)).flatten().collect()
 }
 
 #[wasm_bindgen]
@@ -207,8 +236,8 @@ impl Lit {
         self.0.reach.clone()
     }
 
-    /// Parts of the points that the filter spared, diffuse and specular; empty unless adaptive.
-    pub fn filtered(&self) -> Vec<f64> {
-        self.0.filtered.map(Vec::from).unwrap_or_default()
+    /// The share of the points that the filter spared; none unless adaptive.
+    pub fn filtered(&self) -> Option<f64> {
+        self.0.filtered
     }
 }

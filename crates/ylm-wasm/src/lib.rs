@@ -5,6 +5,8 @@
 //! of the command line, and gets flat arrays.
 
 pub mod bindings;
+pub mod demo;
+mod gloss;
 pub mod gpu_bindings;
 mod lamp;
 mod share;

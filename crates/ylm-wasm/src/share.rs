@@ -12,10 +12,11 @@ use ylm_prt::error::{Error, Result};
 use ylm_prt::format::parse_baked;
 use ylm_prt::light::LightCoeffs;
 use ylm_prt::scene::LightingPoints;
-use ylm_prt::shade::{
-    AdaptiveScene, AdaptiveSettings, GlossyLight, GlossyMaterial, shade_adaptive, shade_diffuse, shade_glossy,
-};
+use ylm_prt::shade::adaptive::{AdaptivePart, shade_adaptive_part};
+use ylm_prt::shade::{AdaptiveScene, AdaptiveSettings, GlossyLight, GlossyMaterial, shade_diffuse};
 use ylm_prt::transfer::{Baked, Transfer, TransferKind};
+
+use crate::gloss::Gloss;
 
 /// How points are lit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,15 +30,23 @@ pub enum Shading {
     Full,
     /// The same, with highlights.
     Glossy,
-    /// As glossy, all bands only where they show; by a share that is the whole scene.
-    Adaptive,
+    /// One part of the same with all bands only where they show, by a share that is the whole scene; the other part is to be added.
+    Adaptive(AdaptivePart),
 }
 
 impl Shading {
     /// Names, in the order of the variants.
-    pub const NAMES: [&str; 5] = ["unshadowed", "shadowed", "interreflected", "glossy", "adaptive"];
+    pub const NAMES: [&str; 6] =
+        ["unshadowed", "shadowed", "interreflected", "glossy", "adaptive-diffuse", "adaptive-specular"];
 
-    const ALL: [Self; 5] = [Self::Unshadowed, Self::Direct, Self::Full, Self::Glossy, Self::Adaptive];
+    const ALL: [Self; 6] = [
+        Self::Unshadowed,
+        Self::Direct,
+        Self::Full,
+        Self::Glossy,
+        Self::Adaptive(AdaptivePart::Diffuse),
+        Self::Adaptive(AdaptivePart::Specular),
+    ];
 
     /// The shading of a name.
     ///
@@ -60,7 +69,7 @@ pub struct Look {
     pub bands: usize,
     /// Turns the light.
     pub rotation: Quat,
-    /// What the surface is made of; for [`Shading::Glossy`] and [`Shading::Adaptive`].
+    /// What the surface is made of; for glossy and adaptive shading.
     pub material: GlossyMaterial,
     /// Where highlights are seen from.
     pub eye: Vec3,
@@ -75,8 +84,8 @@ pub struct Lit {
     pub radiance: Vec<Vec3>,
     /// How far above the base each point was computed, 0 to 1; none unless adaptive.
     pub reach: Vec<f32>,
-    /// Parts of the points that the filter spared, diffuse and specular; none unless adaptive.
-    pub filtered: Option<[f64; 2]>,
+    /// The share of the points that the filter spared; none unless adaptive.
+    pub filtered: Option<f64>,
 }
 
 /// Some of the points of a baked scene, ready to be lit.
@@ -88,6 +97,7 @@ pub struct Share {
     /// Transfer vectors without shadows, and the whole in the order of adaptive shading: made when first asked for.
     unshadowed: Option<Vec<f32>>,
     adaptive: Option<AdaptiveScene<'static>>,
+    gloss: Gloss,
     is_whole: bool,
     light: LightCoeffs,
 }
@@ -109,7 +119,8 @@ impl Share {
             _ => whole.only_points(count * part / part_count..count * (part + 1) / part_count)?,
         };
         let light = LightCoeffs::zero(baked.transfer.bands);
-        Ok(Self { points, baked, unshadowed: None, adaptive: None, is_whole: part_count == 1, light })
+        let (is_whole, gloss) = (part_count == 1, Gloss::default());
+        Ok(Self { points, baked, unshadowed: None, adaptive: None, gloss, is_whole, light })
     }
 
     /// All points of the scene, with the triangles between them.
@@ -158,7 +169,8 @@ impl Share {
 
     /// Lights each point of the share.
     ///
-    /// Cost: the light's rotation, O(n³), and that of [`shade_diffuse`], [`shade_glossy`] or [`shade_adaptive`].
+    /// Cost: the light's rotation, O(n³), and that of [`shade_diffuse`], [`ylm_prt::shade::shade_glossy`] or [`shade_adaptive_part`]. Glossy frames
+    /// after the first under a light cost 3n² multiply-adds a point and a basis of n bands.
     ///
     /// # Errors
     /// If bands are none, the rotation is not finite, a number of the material is out of range, or part of a scene is asked for adaptive
@@ -175,20 +187,12 @@ impl Share {
             }
             Shading::Full => shade_diffuse(&self.baked, &light),
             Shading::Glossy => {
-                shade_glossy(&self.baked, &self.of_all_bands(&light), &look.material, look.eye)?
+                let light = of_all_bands(&light, self.bands());
+                self.gloss.shade(&self.baked, &light, &look.material, look.eye)?
             }
-            Shading::Adaptive => return self.relight_adaptively(&light, look),
+            Shading::Adaptive(part) => return self.relight_adaptively(part, &light, look),
         };
         Ok(Lit { radiance, ..Lit::default() })
-    }
-
-    /// As many bands as the transfer: what is above the light's own is 0.
-    fn of_all_bands<'a>(&self, light: &'a LightCoeffs) -> Cow<'a, LightCoeffs> {
-        if light.bands < self.bands() {
-            Cow::Owned(light.resized(self.bands()))
-        } else {
-            Cow::Borrowed(light)
-        }
     }
 
     /// With the clamped cosine about each normal in the place of what was baked.
@@ -213,7 +217,7 @@ impl Share {
         Ok(radiance)
     }
 
-    fn relight_adaptively(&mut self, light: &LightCoeffs, look: &Look) -> Result<Lit> {
+    fn relight_adaptively(&mut self, part: AdaptivePart, light: &LightCoeffs, look: &Look) -> Result<Lit> {
         if !self.is_whole {
             return Err(Error::Request("adaptive shading is of whole scenes".to_owned()));
         }
@@ -222,14 +226,18 @@ impl Share {
         let thresholds = settings.thresholds.scaled(1.0 / look.gain);
         let settings = AdaptiveSettings { thresholds, ..settings };
         let band_count = self.bands().count();
-        let light = GlossyLight::with_way(&self.of_all_bands(light), self.bands(), settings.light_way())?;
+        let light =
+            GlossyLight::with_way(&of_all_bands(light, self.bands()), self.bands(), settings.light_way())?;
         let baked = &self.baked;
         let scene = self.adaptive.get_or_insert_with(|| AdaptiveScene::owning(baked.clone()));
-        let frame = shade_adaptive(scene, &light, &look.material, look.eye, &settings)?;
-        Ok(Lit {
-            radiance: frame.radiance(),
-            reach: frame.reach(settings.base_bands, band_count),
-            filtered: Some([&frame.diffuse, &frame.specular].map(|region| region.filtered_share(band_count))),
-        })
+        let region = shade_adaptive_part(part, scene, &light, &look.material, look.eye, &settings)?;
+        let reach = region.reach(settings.base_bands, band_count);
+        let filtered = Some(region.filtered_share(band_count));
+        Ok(Lit { radiance: region.radiance, reach, filtered })
     }
+}
+
+/// As many bands as are wanted: what is above the light's own is 0.
+fn of_all_bands(light: &LightCoeffs, bands: Bands) -> Cow<'_, LightCoeffs> {
+    if light.bands < bands { Cow::Owned(light.resized(bands)) } else { Cow::Borrowed(light) }
 }

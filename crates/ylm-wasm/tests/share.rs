@@ -2,14 +2,18 @@
 
 use glam::{Quat, Vec3};
 use ylm::Bands;
-use ylm_prt::format::write_baked;
+use ylm_prt::format::{parse_baked, write_baked};
 use ylm_prt::image::{Decoded, Image};
 use ylm_prt::light::{Light, LightCoeffs, Probe};
+use ylm_prt::render::{heat_colour, negative_colour};
 use ylm_prt::scene::{Blockers, Bvh, LightingPoints, demo};
+use ylm_prt::shade::adaptive::AdaptivePart;
 use ylm_prt::shade::{
     AdaptiveScene, AdaptiveSettings, GlossyLight, GlossyMaterial, shade_adaptive, shade_diffuse, shade_glossy,
 };
 use ylm_prt::transfer::{BakeRecord, BakeSettings, Baked, BounceEnd, Bounces, TransferKind, bake};
+use ylm_wasm::bindings::scales;
+use ylm_wasm::demo::{bake_part, file};
 use ylm_wasm::{Lamp, Look, Shading, Share, band_energies, picture_of_bands};
 
 const SUN: &str = "sky:clear?sun=35,120+disc?dir=1,1,0&angle=20&color=1,0.6,0.2";
@@ -123,10 +127,11 @@ fn what_is_no_baked_scene_is_refused_in_one_line_with_its_name() {
 }
 
 #[test]
-fn adaptive_shading_is_that_of_the_desktop_and_needs_the_whole_scene() {
+fn adaptive_parts_together_are_the_frame_of_the_desktop_and_need_the_whole_scene() {
     let baked = room(TransferKind::Interreflected);
     let bytes = bytes(&baked);
-    let look = look(Shading::Adaptive);
+    let parts = [AdaptivePart::Diffuse, AdaptivePart::Specular].map(|part| look(Shading::Adaptive(part)));
+    let look = parts[0];
     let light = light().rotated(look.rotation).unwrap();
     let settings = AdaptiveSettings::PAPER;
     let settings = AdaptiveSettings { thresholds: settings.thresholds.scaled(1.0 / look.gain), ..settings };
@@ -136,14 +141,70 @@ fn adaptive_shading_is_that_of_the_desktop_and_needs_the_whole_scene() {
     let mut whole = Share::open(&bytes, "room.safetensors", 0, 1).unwrap();
     whole.set_light(self::light());
     for _ in 0..2 {
-        let lit = whole.relight(&look).unwrap();
-        assert_eq!(lit.radiance, frame.radiance());
-        assert_eq!(lit.reach, frame.reach(settings.base_bands, 4));
-        assert!(lit.filtered.unwrap().iter().all(|part| (0.0..=1.0).contains(part)));
+        let [diffuse, specular] = parts.each_ref().map(|look| whole.relight(look).unwrap());
+        let sum = diffuse.radiance.iter().zip(&specular.radiance).map(|(d, s)| d + s);
+        assert_eq!(sum.collect::<Vec<_>>(), frame.radiance());
+        let most = diffuse.reach.iter().zip(&specular.reach).map(|(d, s)| d.max(*s));
+        assert_eq!(most.collect::<Vec<_>>(), frame.reach(settings.base_bands, 4));
+        assert_eq!(diffuse.filtered, Some(frame.diffuse.filtered_share(4)));
+        assert_eq!(specular.filtered, Some(frame.specular.filtered_share(4)));
     }
     let error =
         Share::open(&bytes, "room.safetensors", 0, 2).unwrap().relight(&look).unwrap_err().to_string();
     assert!(error.contains("whole scenes"), "{error}");
+}
+
+#[test]
+fn glossy_frames_after_the_first_under_a_light_are_the_same_to_rounding() {
+    let baked = room(TransferKind::Interreflected);
+    let mut share = Share::open(&bytes(&baked), "room.safetensors", 0, 1).unwrap();
+    share.set_light(light());
+    let turned = Quat::from_rotation_y(1.1);
+    let eyes = [Vec3::new(1.0, 2.0, 5.0), Vec3::new(-1.0, 1.5, 4.0), Vec3::new(0.0, 3.0, 4.0)];
+    for (rotation, count) in [(Quat::IDENTITY, 4), (turned, 4), (turned, 3)] {
+        for (frame, eye) in eyes.into_iter().enumerate() {
+            let material = GlossyMaterial { shininess: 10.0 + frame as f32, ..GlossyMaterial::default() };
+            let look = Look { bands: count, rotation, eye, material, ..look(Shading::Glossy) };
+            let found = share.relight(&look).unwrap().radiance;
+            let light = light().resized(bands(count)).rotated(rotation).unwrap().resized(bands(4));
+            let expected = shade_glossy(&baked, &light, &material, eye).unwrap();
+            let largest = expected.iter().map(|radiance| radiance.abs().max_element()).fold(0.0, f32::max);
+            let error = found.iter().zip(&expected).map(|(f, e)| (f - e).abs().max_element());
+            let error = error.fold(0.0, f32::max) / largest;
+            // That of ylm-prt's `received_light_is_reflected_as_if_it_were_multiplied_anew`.
+            assert!(error <= 2e-6, "{count} bands, frame {frame}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn the_built_in_scene_is_baked_in_parts_to_the_values_of_one_bake() {
+    let (count, rays) = (bands(2), 4);
+    let parts = [0, 1, 2].map(|part| bake_part(count, rays, part, 3).unwrap());
+    let sum = (0..parts[0].len()).map(|i| parts.iter().map(|part| part[i]).sum()).collect();
+    let points = LightingPoints::from_mesh(&demo::scene()).unwrap();
+    let bvh = Bvh::build(&points.positions, &points.triangles);
+    let settings =
+        BakeSettings { bands: count, kind: TransferKind::Shadowed, rays, ..BakeSettings::default() };
+    let transfer = bake(&points, &bvh, &settings, &()).unwrap();
+    let record = BakeRecord::new(&settings, Vec::new(), String::new());
+    let baked = Baked { points, blockers: Blockers::default(), transfer, record };
+    // Values, not bytes: the sum of −0 and 0 is 0.
+    assert!(parse_baked(&file(count, rays, sum).unwrap()).unwrap() == baked);
+    assert!(file(count, rays, baked.transfer.vectors.clone()).unwrap() == bytes(&baked));
+    assert!(bake_part(count, rays, 3, 3).is_err());
+    assert!(file(count, rays, vec![0.0; 7]).is_err());
+}
+
+#[test]
+fn scales_begin_and_end_with_the_colours_of_pictures() {
+    let colours = scales();
+    let (negative, heat) = colours.split_at(3 * 256);
+    for (scale, colour_of) in [(negative, negative_colour as fn(f32) -> [u8; 3]), (heat, heat_colour)] {
+        for i in [0, 100, 255] {
+            assert_eq!(scale[3 * i..][..3], colour_of(i as f32 / 255.0));
+        }
+    }
 }
 
 /// The bytes of a probe that shows `light`.
