@@ -24,9 +24,9 @@ use crate::output::{Output, path_value};
 pub struct Arguments {
     /// A file that `ylm bake` wrote
     baked: PathBuf,
-    /// The light to begin with: one probe, or formulas joined by +
-    #[arg(long, value_name = "LIGHT", default_value = DEFAULT_LIGHT)]
-    light: String,
+    /// The light to begin with: one probe, or formulas joined by + (default: the page's own, a clear afternoon)
+    #[arg(long, value_name = "LIGHT")]
+    light: Option<String>,
     /// Port to listen on; one that is free if none is given
     #[arg(long, value_name = "P", default_value_t = 0, hide_default_value = true)]
     port: u16,
@@ -34,8 +34,6 @@ pub struct Arguments {
     #[arg(long)]
     open: bool,
 }
-
-const DEFAULT_LIGHT: &str = "sky:clear?sun=40,60";
 
 const HELP: &str = "\
 The page is served to this machine alone, until Ctrl-C. Baked files and probes can also be dropped onto it.
@@ -61,7 +59,7 @@ const POLICY: &str = "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; 
 struct Given<'a> {
     baked: &'a Path,
     probe: Option<&'a Path>,
-    /// The words of a light that is no file.
+    /// The words of a light that is no file; none if the page chooses.
     words: &'a str,
 }
 
@@ -69,7 +67,7 @@ struct Given<'a> {
 pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
     // Read here as well, so that what is wrong is said where the command was given.
     read_baked(&arguments.baked)?;
-    let given = Given::new(&arguments.baked, &arguments.light)?;
+    let given = Given::new(&arguments.baked, arguments.light.as_deref())?;
     let server = Server::http(("127.0.0.1", arguments.port)).map_err(|fault| {
         Error::Request(format!("port {} of 127.0.0.1: {fault}; give another --port", arguments.port))
     })?;
@@ -90,7 +88,8 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
 }
 
 impl<'a> Given<'a> {
-    fn new(baked: &'a Path, light: &'a str) -> Result<Self> {
+    fn new(baked: &'a Path, light: Option<&'a str>) -> Result<Self> {
+        let Some(light) = light else { return Ok(Self { baked, probe: None, words: "" }) };
         let path = Path::new(light);
         if path.is_file() && !options::has_extension(path, "json") {
             Probe::new(Decoded::open(path, &ReadOptions::RADIANCE)?, None)
