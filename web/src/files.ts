@@ -1,6 +1,6 @@
 /** Files that come to the page: dropped, chosen, or given to `ylm view`. */
 import type { Bytes } from './messages';
-import { element } from './panel';
+import { element } from './page';
 
 const isProbe = (name: string) => /\.(hdr|pic|exr|pfm|dds|float)$/i.test(name);
 

@@ -1,21 +1,32 @@
 /** The page: its state, the viewer, and the controls of both. */
+import { showLegend } from './charts';
+import { bakeDemo, DEMO_RAYS } from './demo';
 import { given, listen, takeGiven, type Taker } from './files';
-import { element, Panel } from './panel';
+import { complain, element, listenToMessages, tell } from './page';
+import { Panel } from './panel';
 import { fragmentOf, stateOf } from './state';
 import { Viewer, type Change, type Report } from './viewer';
 
+/** The most rays a point that an address may ask for. */
+const MOST_RAYS = 1024;
+/** Bands that adaptive shading computes everywhere. */
+const BASE_BANDS = 3;
+
 const state = stateOf(location.hash);
 const isShared = location.hash.length > 1;
-const viewer = new Viewer(state, element<HTMLCanvasElement>('view'));
+const viewer = made();
 const panel = new Panel(state, viewer);
 
-function say(text: string) {
-  const message = element('message');
-  element('message-text').textContent = text;
-  message.hidden = text === '';
+function made(): Viewer {
+  try {
+    return new Viewer(state, element<HTMLCanvasElement>('view'));
+  } catch (what) {
+    complain('This browser gives no WebGL 2, by which the scene is drawn.');
+    throw what;
+  }
 }
 
-const fault = (what: unknown) => say(what instanceof Error ? what.message : String(what));
+const fault = (what: unknown) => complain(what instanceof Error ? what.message : String(what));
 
 function changed(change: Change) {
   viewer.changed(change);
@@ -24,37 +35,64 @@ function changed(change: Change) {
 
 const number = (value: number) => value.toLocaleString('en');
 
-function tell({ lit, isOnGpu, milliseconds }: Report) {
+function report({ lit, isOnGpu, legend, milliseconds }: Report) {
   const { geometry } = viewer;
   if (!geometry) return;
   const shading = lit.reduce((sum, part) => sum + part.milliseconds, 0);
   const spared = lit.find((part) => part.filtered.length > 0)?.filtered.map((part) => `${Math.round(100 * part)} %`);
   element('shape').textContent = `${number(geometry.positions.length / 3)} points, ${number(geometry.triangles.length / 3)} triangles, ${geometry.bands} bands, ${geometry.transfer}`;
   element('time').textContent = `Relit ${isOnGpu ? 'by the GPU ' : ''}in ${shading.toFixed(1)} ms, drawn after ${milliseconds.toFixed(1)} ms`;
-  element('spared').textContent = spared ? `Spared by the filter: diffuse ${spared[0]}, specular ${spared[1]} of the points` : '';
+  element('spared').textContent = spared ? `Spared by the filter: diffuse ${spared[0]}, specular ${spared[1]}` : '';
+  showLegend(legend, geometry.scales, BASE_BANDS);
   // For tests: how many frames there were.
   document.documentElement.dataset['frames'] = String(Number(document.documentElement.dataset['frames'] ?? 0) + 1);
+}
+
+/** Shows that something is being opened, or once nothing is, the scene or what to do to have one. */
+function open(what: string) {
+  const isOpen = document.body.classList.contains('open');
+  element('empty').hidden = isOpen;
+  element('welcome').hidden = what !== '';
+  element('opening').textContent = isOpen ? '' : what;
+}
+
+/** Bakes the built-in scene here and shows it. */
+async function showDemo(rays: number) {
+  open('Baking the built-in scene in this browser…');
+  try {
+    const file = await bakeDemo(rays);
+    // A file that was dropped meanwhile is what was wanted.
+    if (document.body.classList.contains('open')) return;
+    await taker.scene(file);
+    state.demo = rays;
+    changed('picture');
+    tell('Drop a baked file or an HDR probe onto the picture to open it.');
+  } catch (what) {
+    taker.fault(what);
+  }
 }
 
 const taker: Taker = {
   async scene(file) {
     await viewer.openScene(file);
+    state.demo = 0;
     element('name').textContent = file.name;
     document.title = `${file.name} · ylm`;
-    element('empty').hidden = true;
-    document.body.classList.add('open');
-    say('');
+    complain('');
     panel.show();
   },
   async probe(file) {
     await viewer.openProbe(file);
     // What is dropped is meant to be seen; beside it the sky goes down.
-    Object.assign(state, { probe: true, sky: 'none' });
-    say('');
+    Object.assign(state, { probe: true, sky: 'none', background: 'light' });
+    complain('');
     panel.show();
     changed('light');
   },
-  fault,
+  fault(what) {
+    open('');
+    fault(what);
+  },
 };
 
 function act(id: string, action: () => void) {
@@ -71,11 +109,11 @@ function listenToButtons() {
   });
   act('share', () => {
     void navigator.clipboard.writeText(location.href).then(
-      () => say('The address of this view is copied.'),
-      () => say('The address bar holds this view: copy it from there.'),
+      () => tell('The address of this view is copied.'),
+      () => tell('The address bar holds this view: copy it from there.'),
     );
   });
-  act('dismiss', () => say(''));
+  act('show-demo', () => void showDemo(DEMO_RAYS));
 }
 
 async function begin() {
@@ -83,13 +121,17 @@ async function begin() {
     fault(what);
     panel.show();
   };
-  viewer.onFrame = tell;
+  viewer.onScene = () => {
+    document.body.classList.add('open');
+    open('');
+  };
+  viewer.onFrame = report;
   viewer.onLight = () => {
     panel.show();
     panel.showEnergies();
   };
   panel.onChange = (change) => {
-    say('');
+    complain('');
     changed(change);
     panel.showEnergies();
   };
@@ -107,16 +149,18 @@ async function begin() {
   };
   listen(taker);
   listenToButtons();
+  listenToMessages();
   panel.show();
 
   const served = await given();
-  if (!served) return;
+  if (!served) return state.demo > 0 ? showDemo(Math.min(Math.round(state.demo), MOST_RAYS)) : open('');
+  open(`Opening ${served.name}…`);
   if (!isShared && (served.light || served.probe)) Object.assign(state, { sky: 'none', words: served.light });
   const wanted = { ...state };
   await takeGiven(served, taker);
   // A shared address says what shines, not what was opened last.
   if (isShared) {
-    Object.assign(state, { probe: wanted.probe, sky: wanted.sky });
+    Object.assign(state, { probe: wanted.probe, sky: wanted.sky, background: wanted.background });
     panel.show();
     changed('light');
   }

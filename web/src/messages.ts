@@ -25,6 +25,8 @@ export interface Geometry {
   triangles: Uint32Array<ArrayBuffer>;
   bands: number;
   transfer: string;
+  /** Colours of negative values and of heat, [scale, 256, 3]. */
+  scales: Uint8Array<ArrayBuffer>;
 }
 
 /** A light as the page shows it. */
@@ -33,7 +35,7 @@ export interface Lamp {
   coeffs: Float32Array<ArrayBuffer>;
   energies: Float32Array<ArrayBuffer>;
   meanRadiance: [number, number, number];
-  /** Lat-long radiance, [width / 2, width, 3]. */
+  /** Lat-long radiance, [width / 2, width, 3]; empty if no width was asked for. */
   picture: Float32Array<ArrayBuffer>;
 }
 
@@ -43,7 +45,7 @@ export interface Lit {
   radiance: Float32Array<ArrayBuffer>;
   /** How far each point was computed, 0 to 1; empty unless adaptive. */
   reach: Float32Array<ArrayBuffer>;
-  /** Parts of the points that the filter spared, diffuse and specular; empty unless adaptive. */
+  /** Shares of the points that the filter spared, diffuse and specular; empty unless adaptive. */
   filtered: number[];
   milliseconds: number;
 }
@@ -78,6 +80,10 @@ export interface PackedLight {
 
 /** Questions by name, each with its answer. */
 export interface Calls {
+  /** Bakes a part of the built-in scene; answers its transfer, [point, n²], 0 in the other parts. */
+  bakeDemo: { ask: { bands: number; rays: number; part: number; partCount: number }; answer: Float32Array<ArrayBuffer> };
+  /** The bytes of the built-in scene's file, of the sum of its parts. */
+  demoFile: { ask: { bands: number; rays: number; vectors: Float32Array }; answer: Uint8Array<ArrayBuffer> };
   /** Opens part `part` of `partCount` of a baked file; the geometry comes from part 0. */
   open: { ask: Bytes & { part: number; partCount: number }; answer: Geometry };
   /** The eye that has all of the scene in view. */

@@ -1,4 +1,4 @@
-/** The hand on the scene: pointer and keys move the camera, with Shift the light. */
+/** The hand on the scene: pointer and keys move the camera, with Shift the light, keys with Ctrl across. */
 import { Vector3, type PerspectiveCamera } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
@@ -62,13 +62,15 @@ export class Navigation {
   }
 
   private key(event: KeyboardEvent) {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.metaKey || event.altKey) return;
     const steps: Record<string, [number, number]> = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, -5], ArrowDown: [0, 5] };
     const step = steps[event.key];
+    if (event.ctrlKey && !step) return;
     const dolly = { '+': 0.9, '=': 0.9, '-': 1 / 0.9 }[event.key];
     if (!step && !dolly) return;
     event.preventDefault();
     if (step && event.shiftKey) return this.onTurnLight(...step);
+    if (step && event.ctrlKey) return this.pan(...step);
     const offset = this.camera.position.clone().sub(this.controls.target);
     if (dolly) offset.multiplyScalar(dolly);
     if (step) {
@@ -79,5 +81,14 @@ export class Navigation {
     }
     this.camera.position.copy(this.controls.target).add(offset);
     this.controls.update();
+  }
+  /** Moves the eye and what it looks at across the picture, by so many hundredths of their distance. */
+  private pan(right: number, down: number) {
+    const { camera, controls } = this;
+    const reach = camera.position.distanceTo(controls.target) / 100;
+    const shift = new Vector3(right, -down, 0).multiplyScalar(reach).applyQuaternion(camera.quaternion);
+    camera.position.add(shift);
+    controls.target.add(shift);
+    controls.update();
   }
 }

@@ -1,18 +1,28 @@
 /** The controls: each is bound to the key of the state that it is named after. */
-import { sunOf } from './light';
+import { bandAt, showEnergies } from './charts';
+import { hasSun, sunOf } from './light';
+import { element } from './page';
 import { KEYS, type Key, type State } from './state';
 import type { Change, Viewer } from './viewer';
 
-export const element = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
-
 /** What a change of each control asks for; of those that are not here a new frame. */
 const CHANGES: Partial<Record<Key, Change>> = {
-  probe: 'light', probeStops: 'light', sky: 'light', hour: 'light', skyStops: 'light', disc: 'light', angle: 'light', height: 'light',
+  probe: 'light', probeStops: 'light', sky: 'light', hour: 'light', sun: 'light', skyStops: 'light', disc: 'light', angle: 'light', height: 'light',
   discStops: 'light', words: 'light', background: 'light', tone: 'picture', wipe: 'picture',
 };
 
 const stops = (value: number) => `${value > 0 ? '+' : value < 0 ? '−' : ''}${Math.abs(value).toFixed(1)} EV`;
 const degrees = (value: number) => `${value < 0 ? '−' : ''}${Math.round(Math.abs(value))}°`;
+
+/** Draws how far a slider is from 0, or from its least value. */
+function fill(slider: HTMLInputElement) {
+  const [least, most, value] = [slider.min, slider.max, slider.value].map(Number) as [number, number, number];
+  // The thumb stays within the track by its own width.
+  const place = (x: number) => `calc(${most > least ? (x - least) / (most - least) : 1} * (100% - 14px) + 7px)`;
+  const start = Math.min(Math.max(0, least), most);
+  slider.style.setProperty('--from', start === least ? '0%' : place(Math.min(start, value)));
+  slider.style.setProperty('--to', place(Math.max(start, value)));
+}
 
 /** What stands beside a slider. */
 const TEXTS: Partial<Record<Key, (state: State) => string>> = {
@@ -38,6 +48,11 @@ export class Panel {
     }
     element('panel').addEventListener('submit', (event) => event.preventDefault());
     this.listenToDivider();
+    element('energies').addEventListener('click', (event) => {
+      const bands = element<HTMLInputElement>('bands');
+      bands.value = String(bandAt(event.clientX) + 1);
+      this.take('bands', bands);
+    });
   }
 
   private take(key: Key, { type, checked, value }: HTMLInputElement) {
@@ -67,6 +82,7 @@ export class Panel {
     this.label('bands', `${viewer.bands} of ${bands.max}`);
     element<HTMLInputElement>('exposure').value = String(viewer.exposure);
     this.label('exposure', stops(viewer.exposure));
+    for (const slider of document.querySelectorAll<HTMLInputElement>('input[type=range]')) fill(slider);
     element<HTMLSelectElement>('shading').value = viewer.shadingOf(state.shading);
     this.showWhatApplies();
     this.showDivider();
@@ -83,38 +99,31 @@ export class Panel {
     const shadings = [viewer.shadingOf(state.shading), ...(state.against === '' ? [] : [viewer.shadingOf(state.against)])];
     const applies: Record<string, boolean> = {
       'of-probe': viewer.probe !== null && state.probe,
-      'of-sun': !['none', 'white', 'overcast'].includes(state.sky),
+      'of-sun': hasSun(state.sky),
       'of-sky': state.sky !== 'none',
       'of-disc': state.disc,
       'of-gloss': shadings.some((name) => ['glossy', 'adaptive'].includes(name)),
       'of-adaptive': shadings.includes('adaptive'),
     };
     for (const [name, does] of Object.entries(applies)) {
-      for (const row of document.querySelectorAll<HTMLElement>(`.${name}`)) row.hidden = !does;
+      for (const row of document.querySelectorAll<HTMLElement>(`#panel .${name}`)) row.hidden = !does;
     }
     const probe = element<HTMLInputElement>('probe');
     probe.disabled = viewer.probe === null;
     probe.checked = viewer.probe !== null && state.probe;
-    element('probe-name').textContent = viewer.probe?.name ?? 'drop an .hdr, .exr, .pfm or .dds';
+    element('probe-name').textContent = viewer.probe?.name ?? 'drop an .hdr or .exr';
     element('sun-place').textContent = `The sun stands ${Math.round(sunOf(state.hour)[0])}° high.`;
     const baked = viewer.geometry?.transfer;
     for (const option of document.querySelectorAll<HTMLOptionElement>('#shading option, #against option')) {
       option.disabled = baked !== undefined && option.value !== '' && viewer.shadingOf(option.value) !== option.value;
+      option.dataset['name'] ??= option.text;
+      option.text = option.dataset['name'] + (option.disabled ? ' – not baked' : '');
     }
   }
 
   /** The energies of the light's bands, those that are used in colour. */
   showEnergies() {
-    const energies = this.viewer.lamp?.energies ?? new Float32Array();
-    const largest = Math.max(...energies, 1e-30);
-    const bars = Array.from(energies, (energy, band) => {
-      const bar = document.createElement('i');
-      bar.style.height = `${Math.max(2, 100 * Math.sqrt(energy / largest))}%`;
-      bar.className = band < this.viewer.bands ? '' : 'off';
-      bar.title = `band ${band}: ${energy.toPrecision(3)}`;
-      return bar;
-    });
-    element('energies').replaceChildren(...bars);
+    showEnergies(this.viewer.lamp?.energies ?? new Float32Array(), this.viewer.bands);
   }
 
   private showDivider() {

@@ -2,7 +2,7 @@
 import type { Answer, Bytes, Calls, Geometry, Kind, Lamp, Lit, Look, PackedLight, PackedScene, Question } from './messages';
 
 /** A worker whose questions are answered in order. */
-class Hand {
+export class Hand {
   private readonly worker = new Worker(new URL('./worker.ts', import.meta.url), { type: 'module' });
   private readonly waiting: ((answer: Answer) => void)[] = [];
 
@@ -28,10 +28,13 @@ class Hand {
   }
 }
 
+/** What adaptive shading computes apart. */
+const PARTS = ['adaptive-diffuse', 'adaptive-specular'];
+
 export class Pool {
   private readonly hands: Hand[];
-  /** Has the whole scene, for shading that looks at neighbours; started when first asked. */
-  private whole: Promise<Hand> | null = null;
+  /** Have the whole scene, for shading that looks at neighbours; started when first asked. */
+  private readonly wholes: (Promise<Hand> | undefined)[] = [];
   private file: Bytes | null = null;
   private coeffs = new Float32Array();
   /** Lights so far, and which of them the last packed matrix is of. */
@@ -64,17 +67,14 @@ export class Pool {
     const lamp = await this.hands[0]!.ask('lamp', ask);
     this.coeffs = lamp.coeffs;
     this.lightCount++;
-    const hands = this.whole ? [...this.hands, await this.whole] : this.hands;
+    const hands = [...this.hands, ...(await Promise.all(this.wholes)).filter((hand) => hand !== undefined)];
     await Promise.all(hands.map((hand) => hand.ask('light', lamp.coeffs)));
     return lamp;
   }
 
   /** Lights all points; the time is that of the slowest worker. */
   async relight(look: Look): Promise<Lit> {
-    if (look.shading === 'adaptive') {
-      this.whole ??= this.hire();
-      return (await this.whole).ask('relight', look);
-    }
+    if (look.shading === 'adaptive') return this.relightAdaptively(look);
     const parts = await Promise.all(this.hands.map((hand) => hand.ask('relight', look)));
     const radiance = new Float32Array(parts.reduce((sum, part) => sum + part.radiance.length, 0));
     let start = 0;
@@ -85,20 +85,32 @@ export class Pool {
     return { radiance, reach: new Float32Array(), filtered: [], milliseconds: Math.max(...parts.map((part) => part.milliseconds)) };
   }
 
+  /** Adds what one worker makes of diffuse and another of specular reflection: a point's region does not end where a worker's points do. */
+  private async relightAdaptively(look: Look): Promise<Lit> {
+    const parts = PARTS.map(async (shading, index) => (await this.whole(index)).ask('relight', { ...look, shading }));
+    const [diffuse, specular] = (await Promise.all(parts)) as [Lit, Lit];
+    specular.radiance.forEach((value, i) => (diffuse.radiance[i]! += value));
+    specular.reach.forEach((value, i) => (diffuse.reach[i] = Math.max(diffuse.reach[i]!, value)));
+    const milliseconds = Math.max(diffuse.milliseconds, specular.milliseconds);
+    return { ...diffuse, filtered: [...diffuse.filtered, ...specular.filtered], milliseconds };
+  }
+
   /** The scene for a GPU. */
   async pack(): Promise<PackedScene> {
-    this.whole ??= this.hire();
-    return (await this.whole).ask('pack', null);
+    return (await this.whole(0)).ask('pack', null);
   }
 
   /** A frame's light and material for a GPU; the matrix is the array of the frame before where the light is. */
   async packLight(look: Look): Promise<PackedLight> {
-    this.whole ??= this.hire();
-    const packed = await (await this.whole).ask('packLight', look);
+    const packed = await (await this.whole(0)).ask('packLight', look);
     const light = [look.shading, look.bands, ...look.rotation, this.lightCount].join();
     if (light === this.packed?.light) packed.matrix = this.packed.matrix;
     this.packed = { light, matrix: packed.matrix };
     return packed;
+  }
+
+  private whole(index: number): Promise<Hand> {
+    return (this.wholes[index] ??= this.hire());
   }
 
   private async hire(): Promise<Hand> {
@@ -110,6 +122,6 @@ export class Pool {
 
   end() {
     for (const hand of this.hands) hand.end();
-    void this.whole?.then((hand) => hand.end());
+    for (const whole of this.wholes) void whole?.then((hand) => hand.end());
   }
 }

@@ -2,6 +2,8 @@
 
 export const TONE_MAPS = ['none', 'reinhard', 'aces', 'agx', 'neutral'];
 export const SHOWN = ['radiance', 'negative', 'reach'] as const;
+/** What is seen past the model. */
+export const PAST = ['light', 'studio', 'ground'] as const;
 
 const DISPLAY = /* glsl */ `
 uniform float gain;
@@ -60,50 +62,63 @@ void main() {
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }`;
 
-/** Radiance as it is shown; or grey with ColorBrewer's OrRd where a channel is below 0; or a number from 0 to 1 in inferno's colours. */
+/** Radiance as it is shown; or grey with colours of magnitude where a channel is below 0; or a number from 0 to 1 in colours of heat. */
 export const SURFACE_FRAGMENT = /* glsl */ `
 in vec3 shaded;
 out vec4 colour;
 uniform int shown;
 uniform float white;
 uniform float lowest;
+// [scale, 256] of ylm-prt's render::{negative_colour, heat_colour}.
+uniform sampler2D scales;
 ${DISPLAY}
-vec3 scale(vec3 stops[6], float at) {
-  float x = 5.0 * clamp(at, 0.0, 1.0);
-  int i = min(int(x), 4);
-  return mix(stops[i], stops[i + 1], x - float(i));
+vec3 scale(int row, float at) {
+  return texelFetch(scales, ivec2(int(255.0 * clamp(at, 0.0, 1.0) + 0.5), row), 0).rgb;
 }
 void main() {
   vec3 code;
   if (shown == 1) {
     float least = min(shaded.r, min(shaded.g, shaded.b));
-    const vec3 NEGATIVE[6] = vec3[](vec3(0.992, 0.784, 0.588), vec3(0.990, 0.636, 0.424), vec3(0.966, 0.478, 0.320), vec3(0.878, 0.285, 0.200), vec3(0.717, 0.080, 0.060), vec3(0.498, 0.0, 0.0));
-    code = least < 0.0 ? scale(NEGATIVE, least / lowest) : encode(vec3(dot(shaded, LUMINANCE) / white));
-  } else if (shown == 2) {
-    const vec3 HEAT[6] = vec3[](vec3(0.001, 0.0, 0.014), vec3(0.258, 0.039, 0.406), vec3(0.578, 0.148, 0.404), vec3(0.865, 0.317, 0.226), vec3(0.988, 0.645, 0.040), vec3(0.988, 1.0, 0.645));
-    code = scale(HEAT, shaded.r);
-  } else code = display(shaded);
+    code = least < 0.0 ? scale(0, least / lowest) : encode(vec3(dot(shaded, LUMINANCE) / white));
+  } else if (shown == 2) code = scale(1, shaded.r);
+  else code = display(shaded);
   colour = vec4(code, 1.0);
 }`;
 
 export const SKY_VERTEX = /* glsl */ `
 out vec4 far;
+out vec2 place;
 uniform mat4 worldFromClip;
 void main() {
+  place = position.xy;
   far = worldFromClip * vec4(position.xy, 1.0, 1.0);
   gl_Position = vec4(position.xy, 1.0, 1.0);
 }`;
 
+/** What is seen past the model: the light, a quiet grey that is darker towards the rim, or the ground of false colours. */
 export const SKY_FRAGMENT = /* glsl */ `
 in vec4 far;
+in vec2 place;
 out vec4 colour;
+uniform int past;
+uniform float aspect;
 uniform sampler2D light;
 uniform vec3 eye;
 uniform mat3 lightFromWorld;
 ${DISPLAY}
+vec3 studio() {
+  float rim = smoothstep(0.0, 1.5, length((place - vec2(0.0, 0.1)) * vec2(min(aspect, 1.6), 1.0)));
+  vec3 code = encode(mix(vec3(0.080, 0.083, 0.091), vec3(0.021, 0.022, 0.026), rim));
+  // Half a code of noise: so slow a gradient would show its steps.
+  return code + (fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5) / 255.0;
+}
 void main() {
-  vec3 d = lightFromWorld * normalize(far.xyz / far.w - eye);
-  float u = atan(-d.z, d.x) / 6.283185307;
-  float v = acos(clamp(d.y, -1.0, 1.0)) / 3.141592654;
-  colour = vec4(display(textureLod(light, vec2(u, v), 0.0).rgb), 1.0);
+  vec3 code = past == 1 ? studio() : encode(vec3(0.02));
+  if (past == 0) {
+    vec3 d = lightFromWorld * normalize(far.xyz / far.w - eye);
+    float u = atan(-d.z, d.x) / 6.283185307;
+    float v = acos(clamp(d.y, -1.0, 1.0)) / 3.141592654;
+    code = display(textureLod(light, vec2(u, v), 0.0).rgb);
+  }
+  colour = vec4(code, 1.0);
 }`;

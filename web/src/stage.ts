@@ -1,9 +1,9 @@
 /** What is drawn: the mesh with a radiance at each point, up to twice side by side, and the light behind it. WebGL2 through three.js. */
 import {
   BufferAttribute, BufferGeometry, Color, DataTexture, FloatType, GLSL3, LinearFilter, Matrix3, Matrix4, Mesh, NearestFilter, PerspectiveCamera,
-  PlaneGeometry, RGBAFormat, RepeatWrapping, Scene, ShaderMaterial, Vector3, WebGLRenderer, type Quaternion,
+  PlaneGeometry, RGBAFormat, RepeatWrapping, Scene, ShaderMaterial, UnsignedByteType, Vector3, WebGLRenderer, type Quaternion,
 } from 'three';
-import { SHOWN, SKY_FRAGMENT, SKY_VERTEX, SURFACE_FRAGMENT, SURFACE_VERTEX, TONE_MAPS } from './shaders';
+import { PAST, SHOWN, SKY_FRAGMENT, SKY_VERTEX, SURFACE_FRAGMENT, SURFACE_VERTEX, TONE_MAPS } from './shaders';
 
 /** Vertical field of view of `ylm render`, in degrees. */
 const FIELD_OF_VIEW = 35;
@@ -16,16 +16,23 @@ export interface Picture {
   gain: number;
   tone: string;
   lightRotation: Quaternion;
-  /** Whether the light is seen past the model. */
-  hasSky: boolean;
+  /** What is seen past the model: the light, a studio, or black. */
+  background: 'light' | 'studio' | 'black';
   /** Where the second side begins, 0 to 1; 1 for none. */
   wipe: number;
+}
+
+/** What false colours of negative radiance stand for: the last of the reds, negative or 0 where nothing is below, and white. */
+export interface Scale {
+  lowest: number;
+  white: number;
 }
 
 /** One side: all points by one shading. */
 class Side {
   readonly material: ShaderMaterial;
   readonly mesh: Mesh<BufferGeometry, ShaderMaterial>;
+  shown: Shown = 'radiance';
 
   constructor(shared: ShaderMaterial['uniforms']) {
     const uniforms = { ...shared, shown: { value: 0 }, white: { value: 1 }, lowest: { value: -1 } };
@@ -44,13 +51,15 @@ class Side {
     this.mesh.geometry = geometry;
   }
 
-  setRadiance(radiance: Float32Array, shown: Shown) {
+  /** Answers what negative radiance is scaled by. */
+  setRadiance(radiance: Float32Array, shown: Shown): Scale | null {
     const attribute = this.mesh.geometry.getAttribute('radiance') as BufferAttribute;
     (attribute.array as Float32Array).set(radiance);
     attribute.needsUpdate = true;
     const { uniforms } = this.material;
     uniforms['shown']!.value = SHOWN.indexOf(shown);
-    if (shown !== 'negative') return;
+    this.shown = shown;
+    if (shown !== 'negative') return null;
     // White at four times the mean luminance, as `ylm render --shading negative`.
     let [lowest, sum] = [0, 0];
     for (let i = 0; i < radiance.length; i += 3) {
@@ -59,8 +68,10 @@ class Side {
       sum += 0.2126 * r + 0.7152 * g + 0.0722 * b;
     }
     const mean = sum / Math.max(radiance.length / 3, 1);
-    uniforms['white']!.value = mean > 0 ? 4 * mean : 1;
+    const scale = { lowest, white: mean > 0 ? 4 * mean : 1 };
+    uniforms['white']!.value = scale.white;
     uniforms['lowest']!.value = lowest < 0 ? lowest : -1;
+    return scale;
   }
 }
 
@@ -70,7 +81,7 @@ export class Stage {
   private radius = 1;
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
-  private readonly shared = { gain: { value: 1 }, toneMap: { value: 0 } };
+  private readonly shared = { gain: { value: 1 }, toneMap: { value: 0 }, scales: { value: null as DataTexture | null } };
   private readonly sides = [new Side(this.shared), new Side(this.shared)] as const;
   private readonly sky: Mesh<PlaneGeometry, ShaderMaterial>;
   private isEmpty = true;
@@ -78,7 +89,7 @@ export class Stage {
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
     const uniforms = {
-      ...this.shared, light: { value: null }, worldFromClip: { value: new Matrix4() }, eye: { value: new Vector3() }, lightFromWorld: { value: new Matrix3() },
+      ...this.shared, past: { value: 0 }, aspect: { value: 1 }, light: { value: null }, worldFromClip: { value: new Matrix4() }, eye: { value: new Vector3() }, lightFromWorld: { value: new Matrix3() },
     };
     const sources = { vertexShader: SKY_VERTEX, fragmentShader: SKY_FRAGMENT };
     this.sky = new Mesh(new PlaneGeometry(2, 2), new ShaderMaterial({ glslVersion: GLSL3, uniforms, ...sources, depthTest: false, depthWrite: false }));
@@ -98,8 +109,18 @@ export class Stage {
     this.isEmpty = false;
   }
 
-  setRadiance(side: 0 | 1, radiance: Float32Array, shown: Shown) {
-    this.sides[side].setRadiance(radiance, shown);
+  setRadiance(side: 0 | 1, radiance: Float32Array, shown: Shown): Scale | null {
+    return this.sides[side].setRadiance(radiance, shown);
+  }
+
+  /** Takes the colours of false-colour pictures, [scale, 256, 3]: those of negative values, and of heat. */
+  setScales(colours: Uint8Array) {
+    const texels = new Uint8Array((colours.length / 3) * 4).fill(255);
+    for (let i = 0; i < colours.length / 3; i++) texels.set(colours.subarray(3 * i, 3 * i + 3), 4 * i);
+    this.shared.scales.value?.dispose();
+    const texture = new DataTexture(texels, 256, texels.length / 1024, RGBAFormat, UnsignedByteType);
+    texture.needsUpdate = true;
+    this.shared.scales.value = texture;
   }
 
   /** A lat-long picture, `width` wide and half as high. */
@@ -125,7 +146,7 @@ export class Stage {
     return true;
   }
 
-  draw({ gain, tone, lightRotation, hasSky, wipe }: Picture) {
+  draw({ gain, tone, lightRotation, background, wipe }: Picture) {
     if (this.isEmpty) return;
     const { camera, sky } = this;
     const distance = camera.position.distanceTo(this.center);
@@ -136,7 +157,7 @@ export class Stage {
     this.shared.gain.value = gain;
     this.shared.toneMap.value = Math.max(0, TONE_MAPS.indexOf(tone));
     const { uniforms } = sky.material;
-    sky.visible = hasSky && uniforms['light']!.value !== null;
+    uniforms['aspect']!.value = camera.aspect;
     (uniforms['worldFromClip']!.value as Matrix4).copy(camera.matrixWorld).multiply(camera.projectionMatrixInverse);
     (uniforms['eye']!.value as Vector3).copy(camera.position);
     const lightFromWorld = new Matrix4().makeRotationFromQuaternion(lightRotation.clone().invert());
@@ -150,6 +171,9 @@ export class Stage {
       const [start, end] = index === 0 ? [0, middle] : [middle, width];
       if (end <= start) continue;
       this.sides.forEach((other) => (other.mesh.visible = other === side));
+      const past = side.shown === 'radiance' ? background : 'ground';
+      sky.visible = past !== 'black' && (past !== 'light' || uniforms['light']!.value !== null);
+      uniforms['past']!.value = past === 'black' ? 0 : PAST.indexOf(past);
       this.renderer.setScissor(start, 0, end - start, height);
       this.renderer.render(this.scene, camera);
     }

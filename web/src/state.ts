@@ -1,11 +1,16 @@
 /** Everything that makes up a view, kept in the address so that it can be shared. */
 
 export const DEFAULTS = {
+  /** Rays a point by which the built-in scene is baked and shown, where no other is given; 0 for none. */
+  demo: 0,
+
   /** Of the light: which parts shine, and how many stops brighter than they are. */
   probe: true,
   probeStops: 0,
   sky: 'clear',
-  hour: 10,
+  hour: 15.5,
+  /** Whether the sun itself shines in a sky that has one. */
+  sun: true,
   skyStops: 0,
   disc: false,
   angle: 12,
@@ -32,7 +37,7 @@ export const DEFAULTS = {
   auto: true,
   exposure: 0,
   tone: 'neutral',
-  background: 'light',
+  background: 'studio',
   negative: false,
   /** The camera's place and what it looks at, once it was moved: six numbers. */
   eye: '',

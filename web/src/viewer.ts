@@ -5,7 +5,7 @@ import { Gpu, SHADINGS } from './gpu';
 import type { Bytes, Geometry, Lamp, Lit, Look } from './messages';
 import { Navigation } from './navigation';
 import { Pool } from './pool';
-import { Stage, type Shown } from './stage';
+import { Stage, type Picture, type Scale, type Shown } from './stage';
 import type { State } from './state';
 
 const WORKER_COUNT = 2;
@@ -14,6 +14,9 @@ const SKY_WIDTH = 512;
 /** `ylm render`'s automatic exposure: a white surface that sees all of the light shows as this. */
 const AUTO_LEVEL = 0.5;
 const RADIANS = Math.PI / 180;
+
+/** What is drawn past the model, by the names of the state. */
+const BACKGROUNDS: Record<string, Picture['background']> = { studio: 'studio', light: 'light', bands: 'light', plain: 'black' };
 
 /** What a change of the state asks for: another light, another frame, or the same frame drawn anew. */
 export type Change = 'light' | 'frame' | 'picture';
@@ -24,6 +27,8 @@ export interface Report {
   /** Whether the GPU lit all of it. */
   isOnGpu: boolean;
   milliseconds: number;
+  /** Of false colours on one of the sides. */
+  legend: { shown: 'negative'; scale: Scale } | { shown: 'reach' } | null;
 }
 
 export class Viewer {
@@ -31,6 +36,8 @@ export class Viewer {
   probe: Bytes | null = null;
   lamp: Lamp | null = null;
   readonly navigation: Navigation;
+  /** A scene is open, and about to be shown. */
+  onScene = () => {};
   onLight = () => {};
   onFrame: (report: Report) => void = () => {};
   onFault: (fault: unknown) => void = () => {};
@@ -47,7 +54,10 @@ export class Viewer {
     this.stage = new Stage(canvas);
     this.navigation = new Navigation(this.stage.camera, canvas);
     new ResizeObserver(() => {
-      if (this.stage.resize()) this.draw();
+      if (!this.stage.resize()) return;
+      this.draw();
+      // A view that nobody has chosen keeps all in it.
+      if (this.geometry && this.state.eye === '') void this.seeAll().then(() => this.changed('frame'));
     }).observe(canvas.parentElement!);
   }
 
@@ -87,7 +97,9 @@ export class Viewer {
       next.end();
       throw fault;
     }
+    this.onScene();
     this.stage.setGeometry(this.geometry.positions, this.geometry.triangles);
+    this.stage.setScales(this.geometry.scales);
     this.stage.resize();
     const place = this.state.eye.split(',').map(Number);
     if (place.length === 6 && place.every(Number.isFinite)) this.navigation.place(place);
@@ -149,13 +161,14 @@ export class Viewer {
 
   private async light(pool: Pool) {
     const { state } = this;
+    const pictureWidth = BACKGROUNDS[state.background] === 'light' ? SKY_WIDTH : 0;
     this.lamp = await pool.light({
-      words: wordsOf(state),
+      words: wordsOf(state, this.geometry?.bands ?? 1),
       probeGain: this.probe ? probeGainOf(state) : 0,
-      pictureWidth: SKY_WIDTH,
+      pictureWidth,
       pictureBands: state.background === 'bands' ? this.bands : 0,
     });
-    this.stage.setSky(this.lamp.picture, SKY_WIDTH);
+    if (pictureWidth > 0) this.stage.setSky(this.lamp.picture, pictureWidth);
     this.onLight();
   }
 
@@ -165,16 +178,19 @@ export class Viewer {
     const names = state.against === '' ? [state.shading] : [state.shading, state.against];
     const lit: Lit[] = [];
     let isOnGpu = true;
+    let legend: Report['legend'] = null;
     for (const [side, name] of names.entries()) {
       const look = this.look(this.shadingOf(name));
       const byGpu = await this.relightOnGpu(pool, look);
       isOnGpu &&= byGpu !== undefined;
       lit.push(byGpu ?? (await pool.relight(look)));
       const [numbers, shown] = shownOf(lit[side]!, look, state);
-      this.stage.setRadiance(side as 0 | 1, numbers, shown);
+      const scale = this.stage.setRadiance(side as 0 | 1, numbers, shown);
+      if (shown === 'reach') legend = { shown };
+      else if (scale) legend = { shown: 'negative', scale };
     }
     this.draw();
-    this.onFrame({ lit, isOnGpu, milliseconds: performance.now() - start });
+    this.onFrame({ lit, isOnGpu, legend, milliseconds: performance.now() - start });
   }
 
   /** What the GPU makes of it, if it is chosen, is there, and has a kernel for it. */
@@ -216,7 +232,7 @@ export class Viewer {
       gain: 2 ** this.exposure,
       tone: state.tone,
       lightRotation: this.lightRotation,
-      hasSky: state.background !== 'plain',
+      background: BACKGROUNDS[state.background] ?? 'studio',
       wipe: state.against === '' ? 1 : state.wipe,
     });
   }

@@ -1,6 +1,6 @@
 /** Lights a share of the points, with the Rust code of the desktop. */
 import type { Answer, Calls, Geometry, Kind, Lit, Question } from './messages';
-import init, { Lamp, Scene } from './wasm/ylm';
+import init, { Lamp, Scene, bake_demo, demo_file, scales } from './wasm/ylm';
 
 const ready = init();
 let scene: Scene | null = null;
@@ -14,11 +14,18 @@ function opened<T>(thing: T | null): T {
 /** Arrays that wasm hands out have memory of their own, which may be given away. */
 function owned(array: Float32Array): Float32Array<ArrayBuffer>;
 function owned(array: Uint32Array): Uint32Array<ArrayBuffer>;
-function owned(array: Float32Array | Uint32Array) {
+function owned(array: Uint8Array): Uint8Array<ArrayBuffer>;
+function owned(array: Float32Array | Uint32Array | Uint8Array) {
   return array;
 }
 
 const answers: { [K in Kind]: (ask: Calls[K]['ask']) => Calls[K]['answer'] } = {
+  bakeDemo({ bands, rays, part, partCount }) {
+    return owned(bake_demo(bands, rays, part, partCount));
+  },
+  demoFile({ bands, rays, vectors }) {
+    return owned(demo_file(bands, rays, vectors));
+  },
   open({ bytes, name, part, partCount }) {
     // The scene that is shown stays until the new one is known to be good.
     const next = new Scene(new Uint8Array(bytes), name, part, partCount);
@@ -26,7 +33,7 @@ const answers: { [K in Kind]: (ask: Calls[K]['ask']) => Calls[K]['answer'] } = {
     lamp?.free();
     [scene, lamp] = [next, new Lamp(next.bands())];
     const [positions, triangles] = part === 0 ? [next.positions(), next.triangles()] as const : ([new Float32Array(), new Uint32Array()] as const);
-    return { positions: owned(positions), triangles: owned(triangles), bands: next.bands(), transfer: next.kind() };
+    return { positions: owned(positions), triangles: owned(triangles), bands: next.bands(), transfer: next.kind(), scales: owned(scales()) };
   },
   fit({ azimuth, elevation, aspect }) {
     const [x = 0, y = 0, z = 0] = opened(scene).fit(azimuth, elevation, aspect);
@@ -54,7 +61,8 @@ const answers: { [K in Kind]: (ask: Calls[K]['ask']) => Calls[K]['answer'] } = {
   relight({ shading, bands, rotation, material, eye, gain }) {
     const start = performance.now();
     const lit = opened(scene).relight(shading, bands, new Float32Array(rotation), new Float32Array(material), new Float32Array(eye), gain);
-    const answer = { radiance: owned(lit.radiance()), reach: owned(lit.reach()), filtered: [...lit.filtered()], milliseconds: 0 };
+    const filtered = lit.filtered();
+    const answer = { radiance: owned(lit.radiance()), reach: owned(lit.reach()), filtered: filtered === undefined ? [] : [filtered], milliseconds: 0 };
     lit.free();
     return { ...answer, milliseconds: performance.now() - start };
   },
@@ -78,6 +86,7 @@ const answers: { [K in Kind]: (ask: Calls[K]['ask']) => Calls[K]['answer'] } = {
 /** Memory of an answer that goes to the page for good. */
 function given(answer: Calls[Kind]['answer']): ArrayBuffer[] {
   if (!answer || Array.isArray(answer)) return [];
+  if (ArrayBuffer.isView(answer)) return [answer.buffer];
   const arrays = Object.values(answer as Geometry | Lit).filter((value) => ArrayBuffer.isView(value));
   return arrays.map((array) => array.buffer as ArrayBuffer);
 }

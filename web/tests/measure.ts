@@ -1,4 +1,4 @@
-/** Not a test: how long a scene takes to relight and to open. YLM_BAKED=FILE npm run measure */
+/** Not a test: how long a scene takes to relight and to open. YLM_BAKED=FILE [YLM_LIGHT=WORDS] npm run measure */
 import { readdirSync, readFileSync, statSync } from 'node:fs';
 import { basename, dirname, join, resolve } from 'node:path';
 import { gzipSync } from 'node:zlib';
@@ -10,7 +10,8 @@ const FRAMES = 60;
 
 test('measure', async () => {
   const baked = resolve(process.env['YLM_BAKED'] ?? '');
-  const server = await Server.start(dirname(baked), basename(baked));
+  const light = process.env['YLM_LIGHT'];
+  const server = await Server.start(dirname(baked), basename(baked), ...(light ? ['--light', light] : []));
   const browser = await launch();
   const opening: number[] = [];
   for (let i = 0; i < 5; i++) {
@@ -24,22 +25,29 @@ test('measure', async () => {
   await tab.settled();
   const middle = (times: number[]) => times.sort((a, b) => a - b)[times.length >> 1]!.toFixed(1);
   const lines = [`first picture ${middle(opening)} ms after the address is opened, median of ${opening.length}`];
-  for (const shading of ['unshadowed', 'shadowed', 'glossy', 'adaptive']) {
+  const turnLight = (i: number) => tab.page.evaluate((turn) => {
+    const input = document.getElementById('turn') as HTMLInputElement;
+    input.value = String(turn);
+    input.dispatchEvent(new Event('input', { bubbles: true }));
+  }, i + 1);
+  const turnEye = () => tab.page.keyboard.press('ArrowLeft');
+  const cases = [
+    ['unshadowed', turnLight], ['shadowed', turnLight], ['glossy', turnLight], ['glossy', turnEye], ['adaptive', turnLight], ['adaptive', turnEye],
+  ] as const;
+  for (const [shading, move] of cases) {
     await tab.set({ shading });
+    await tab.page.focus('#view');
     const [relit, drawn]: number[][] = [[], []];
     for (let i = 0; i < FRAMES; i++) {
       const before = await tab.frames();
-      await tab.page.evaluate((turn) => {
-        const input = document.getElementById('turn') as HTMLInputElement;
-        input.value = String(turn);
-        input.dispatchEvent(new Event('input', { bubbles: true }));
-      }, i + 1);
+      await move(i);
       await tab.page.waitForFunction((last) => Number(document.documentElement.dataset['frames']) > last, before, { polling: 2 });
       const [, a, b] = /in ([\d.]+) ms, drawn after ([\d.]+) ms/.exec(await tab.page.innerText('#time'))!;
       relit!.push(Number(a));
       drawn!.push(Number(b));
     }
-    lines.push(`${shading}: relit in ${middle(relit!)} ms, drawn after ${middle(drawn!)} ms, medians of ${FRAMES} frames`);
+    const what = move === turnEye ? 'the eye moves' : 'the light turns';
+    lines.push(`${shading}, ${what}: relit in ${middle(relit!)} ms, drawn after ${middle(drawn!)} ms, medians of ${FRAMES} frames`);
   }
   const page = resolve('../crates/ylm-cli/page');
   const files = readdirSync(page).filter((name) => !name.endsWith('.sha256')).map((name) => join(page, name));

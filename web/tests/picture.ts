@@ -23,3 +23,14 @@ export function psnr(found: Buffer, expected: Buffer): { decibels: number; share
   }
   return { decibels: 10 * Math.log10(255 ** 2 / (sum / count)), share: count / 3 / ((b.width - 2) * (b.height - 2)) };
 }
+
+/** The part of the pixels that are no grey. */
+export function coloured(picture: Buffer): number {
+  const { data } = PNG.sync.read(picture);
+  let count = 0;
+  for (let i = 0; i < data.length; i += 4) {
+    const [r, g, b] = data.subarray(i, i + 3);
+    if (Math.max(r!, g!, b!) - Math.min(r!, g!, b!) > 24) count++;
+  }
+  return (4 * count) / data.length;
+}
