@@ -1,10 +1,15 @@
-//! Whole files or none.
+//! Whole files or none, and the files that a description names.
+
+mod named;
 
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use crate::error::{Error, Result};
+
+pub(crate) use named::map;
+pub use named::{Bytes, Disk, Files, Noted};
 
 /// Checks what would keep a file from being written, so that long work does not fail at its end.
 ///

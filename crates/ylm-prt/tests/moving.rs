@@ -9,11 +9,11 @@ use ylm::product::{Method, product};
 use ylm::rotate::Rotation;
 use ylm::zonal::Zonal;
 use ylm_prt::field::{FieldScratch, FieldSettings, OcclusionField, SphereSet, bake_field, radial_frame};
-use ylm_prt::light::Light;
+use ylm_prt::light::{Light, LightCoeffs};
 use ylm_prt::reference::{Occlusion, SeenSurface, Settings, irradiance, reflected, reflected_by_parts};
 use ylm_prt::scene::brdf::{Brdf, surface_frame};
 use ylm_prt::scene::{Bvh, LightingPoints, Mesh, Pose, ball};
-use ylm_prt::shade::{Apart, FieldFrame, FieldProduct, FieldShading};
+use ylm_prt::shade::{Apart, FieldFrame, FieldProduct, FieldShading, Share};
 use ylm_prt::stage::{Actor, GroundDescription, Material, Motion, Stage, ground};
 
 const EXACT: FieldShading = by(FieldProduct::Exact);
@@ -423,6 +423,43 @@ fn the_radiance_does_not_depend_on_the_number_of_threads() {
             pool.install(|| stage.shade(0.0, &by(product))).unwrap().radiance
         };
         assert!(with(1) == with(3), "{product:?}");
+    }
+}
+
+#[test]
+fn shares_together_are_the_whole_to_the_bit_and_a_light_of_fewer_bands_is_one_with_zeros() {
+    let lamp = "sky:clear?sun=40,30+sphere?pos=0,3,2&radius=0.3&intensity=20";
+    let stage = many_balls(4, lamp);
+    let (poses, whole) = (stage.poses(0.0), stage.shade(0.0, &EXACT).unwrap().radiance);
+    let far = stage.light.far().project(stage.bands).unwrap();
+    let mut sum: Vec<Vec<Vec3>> = whole.iter().map(|body| vec![Vec3::ZERO; body.len()]).collect();
+    for part in 0..3 {
+        let share = Share { part, part_count: 3 };
+        let frame = stage.shade_share(&poses, &far, &EXACT, share).unwrap();
+        for (sum, found) in sum.iter_mut().flatten().zip(frame.radiance.iter().flatten()) {
+            assert!(*sum == Vec3::ZERO || *found == Vec3::ZERO, "each point is of one share");
+            *sum += *found;
+        }
+    }
+    assert_eq!(sum, whole);
+
+    let few = far.resized(bands(2));
+    let [few, padded] = [few.clone(), few.resized(stage.bands)].map(|far| {
+        Stage { light: Light::default(), ..stage.clone() }.shade_share(&poses, &far, &EXACT, Share::ALL)
+    });
+    assert_eq!(few.unwrap().radiance, padded.unwrap().radiance);
+}
+
+#[test]
+fn one_band_of_a_lamp_is_its_mean_radiance_from_everywhere() {
+    let light = Light::parse("sphere?pos=0,3,2&radius=0.3&intensity=20").unwrap();
+    let open = Stage { bands: bands(4), light, seconds: 1.0, actors: vec![floor(4, 8)] };
+    let dark = LightCoeffs::zero(bands(1));
+    let frame = open.shade_share(&open.poses(0.0), &dark, &EXACT, Share::ALL).unwrap();
+    for (radiance, &place) in frame.radiance[0].iter().zip(&open.actors[0].points.positions) {
+        let mean = open.light.project_at(place, bands(1)).unwrap().mean_radiance();
+        // Of white, what four bands of the cosine and of the half sphere leave.
+        assert!(((*radiance - mean) / mean).abs().max_element() <= 0.02, "{place}: {radiance} {mean}");
     }
 }
 

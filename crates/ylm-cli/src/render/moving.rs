@@ -1,6 +1,5 @@
 //! `ylm render SCENE.json`: objects that move and cast shadows on each other.
 
-use std::sync::Arc;
 use std::time::Instant;
 
 use glam::Vec3;
@@ -8,7 +7,6 @@ use serde_json::{Value, json};
 use ylm::Bands;
 use ylm::window::Window;
 use ylm_prt::error::{Error, Result};
-use ylm_prt::field::SphereSet;
 use ylm_prt::format::open_stage;
 use ylm_prt::reference::{Occlusion, Settings, reflected_by_parts};
 use ylm_prt::render::{Raster, render};
@@ -148,7 +146,7 @@ pub(super) fn run(arguments: &Arguments, output: &Output) -> Result<()> {
         stage.light = arguments.options.read(spec, output)?;
     }
     if arguments.shading == Shading::Shexp {
-        make_spheres(&mut stage, arguments.moving.spheres.unwrap_or(32).into());
+        stage.make_spheres(arguments.moving.spheres.unwrap_or(32).into());
     }
     output.step(&format!("{} points read in {:.2} s", stage.point_count(), start.elapsed().as_secs_f64()));
     let (width, height) = arguments.size;
@@ -289,20 +287,4 @@ fn reference(
     let values = found.values.iter().enumerate();
     let radiance = values.map(|(point, value)| *value + surface.emission_of(point)).collect();
     Ok(Shaded { noise: Some(found.relative_noise()), radiance })
-}
-
-/// Gives each object that casts a shadow its balls; objects of one surface share them.
-fn make_spheres(stage: &mut Stage, count: usize) {
-    for index in 0..stage.actors.len() {
-        if stage.actors[index].field.is_none() {
-            continue;
-        }
-        let (before, rest) = stage.actors.split_at_mut(index);
-        let actor = &mut rest[0];
-        let twin = before.iter().find(|other| Arc::ptr_eq(&other.points, &actor.points));
-        actor.spheres = match twin.and_then(|twin| twin.spheres.clone()) {
-            Some(spheres) => Some(spheres),
-            None => Some(Arc::new(SphereSet::of_surface(&actor.points, count))),
-        };
-    }
 }

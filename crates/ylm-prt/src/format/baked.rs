@@ -12,11 +12,12 @@ use serde_json::{Map, Value, json};
 use ylm::Bands;
 
 use super::container::{
-    CONVENTION, Content, check_finite, finite_rows, integer, integer32, map, parse_header, parse_tensors,
+    CONVENTION, Content, check_finite, finite_rows, integer, integer32, parse_header, parse_tensors,
     put_tensors, rows, sha256, text, texts, write_tensors,
 };
 use super::fault::BakedFault;
 use crate::error::{Error, Result};
+use crate::file::map;
 use crate::scene::{Blockers, LightingPoints};
 use crate::transfer::{BakeRecord, Baked, Bounced, Precision, Transfer, TransferKind};
 

@@ -4,7 +4,6 @@
 compile_error!("safetensors is little-endian; reading and writing here are casts, not conversions");
 
 use std::collections::HashMap;
-use std::fs::File;
 use std::io;
 use std::path::Path;
 
@@ -16,7 +15,7 @@ use serde_json::{Map, Value};
 use ylm::Bands;
 
 use super::fault::BakedFault;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::file::write_atomically;
 
 /// The one metadata entry: a JSON object, so that numbers stay numbers and the bytes do not depend on hash order.
@@ -54,17 +53,6 @@ pub fn put_tensors(
     out.write_all(&(header.len() as u64).to_le_bytes())?;
     out.write_all(&header)?;
     tensors.iter().try_for_each(|(.., content)| content.write(out))
-}
-
-/// A file's bytes; what else to give is said where there is no file.
-pub fn map(path: &Path, instead: &str) -> Result<memmap2::Mmap> {
-    let file = File::open(path).map_err(|e| Error::io(path, e))?;
-    if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
-        return Err(Error::io(path, io::Error::other(format!("is no file; {instead}"))));
-    }
-    // SAFETY: the map lives for this call only; somebody who truncates the file meanwhile ends the process, as with
-    // every reader of mapped files, and cannot do worse, since all that is read is copied and then checked.
-    unsafe { memmap2::Mmap::map(&file) }.map_err(|e| Error::io(path, e))
 }
 
 /// The tensors of a file, and its metadata.

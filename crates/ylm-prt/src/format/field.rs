@@ -9,12 +9,13 @@ use serde_json::{Map, Value, json};
 use ylm::Bands;
 
 use super::container::{
-    CONVENTION, Content, check_finite, finite_rows, integer, integer32, list, map, parse_header,
-    parse_tensors, rows, sha256, text, texts, write_tensors,
+    CONVENTION, Content, check_finite, finite_rows, integer, integer32, list, parse_header, parse_tensors,
+    rows, sha256, text, texts, write_tensors,
 };
 use super::fault::BakedFault;
 use crate::error::{Error, Result};
 use crate::field::{FieldRecord, Geodesic, OcclusionField, Shell};
+use crate::file::map;
 
 /// The version that is read and written.
 const FORMAT_VERSION: u64 = 1;

@@ -13,4 +13,6 @@ pub use checkpoint::{Checkpoint, Existing, checkpoint_path};
 pub use fault::BakedFault;
 pub use field::{parse_field, read_field, read_kind, write_field};
 pub use light::{write_light, write_light_description};
-pub use stage::{SceneFault, is_stage, open_stage, parse_stage, read_actor, read_stage};
+pub use stage::{
+    SceneFault, is_stage, open_stage, open_stage_in, parse_stage, read_actor, read_stage, read_stage_in,
+};

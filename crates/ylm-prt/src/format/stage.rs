@@ -5,7 +5,7 @@ mod open;
 mod value;
 
 pub use fault::SceneFault;
-pub use open::{open_stage, read_actor};
+pub use open::{open_stage, open_stage_in, read_actor};
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -16,6 +16,7 @@ use ylm::Bands;
 use ylm::product::plan::MAX_BANDS;
 
 use crate::error::{Error, Result};
+use crate::file::{Disk, Files};
 use crate::image::ReadOptions;
 use crate::light::{Light, facing};
 use crate::scene::UpAxis;
@@ -27,9 +28,16 @@ use value::Keys;
 const FORMAT_VERSION: u64 = 1;
 
 /// The longest file that is read, and the most objects and keys of one.
-const MAX_BYTES: u64 = 16 << 20;
+const MAX_BYTES: usize = 16 << 20;
 const MAX_OBJECTS: usize = 4096;
 const MAX_KEYS: usize = 65536;
+
+/// Where the files are that a scene names.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    folder: &'a Path,
+    files: &'a dyn Files,
+}
 
 type FaultOr<T> = std::result::Result<T, SceneFault>;
 
@@ -38,22 +46,33 @@ type FaultOr<T> = std::result::Result<T, SceneFault>;
 /// # Errors
 /// If the file cannot be read or is not as docs/format.md says; the error names the file and the place in it.
 pub fn read_stage(path: &Path) -> Result<StageDescription> {
-    let io = |source| Error::io(path, source);
+    read_stage_in(path, &Disk)
+}
+
+/// [`read_stage`] with the files that `files` has.
+///
+/// # Errors
+/// As [`read_stage`].
+pub fn read_stage_in(path: &Path, files: &dyn Files) -> Result<StageDescription> {
     let fault = |fault: SceneFault| Error::file(path, fault);
-    if std::fs::metadata(path).map_err(io)?.len() > MAX_BYTES {
-        return Err(fault(SceneFault::Long(MAX_BYTES)));
+    let bytes = files.bytes(path)?;
+    if bytes.len() > MAX_BYTES {
+        return Err(fault(SceneFault::Long(MAX_BYTES as u64)));
     }
-    let bytes = std::fs::read(path).map_err(io)?;
-    parse_stage(&bytes, path.parent().unwrap_or(Path::new(""))).map_err(fault)
+    parse_stage(&bytes, path.parent().unwrap_or(Path::new("")), files).map_err(fault)
 }
 
 /// [`read_stage`] for the bytes of a file that would stand in a folder.
 ///
 /// # Errors
 /// The first thing in which the bytes are not as docs/format.md says.
-pub fn parse_stage(bytes: &[u8], folder: &Path) -> std::result::Result<StageDescription, SceneFault> {
+pub fn parse_stage(
+    bytes: &[u8],
+    folder: &Path,
+    files: &dyn Files,
+) -> std::result::Result<StageDescription, SceneFault> {
     let value = serde_json::from_slice(bytes).map_err(|error| SceneFault::Json(error.to_string()))?;
-    parse(&value, folder)
+    parse(&value, Place { folder, files })
 }
 
 /// Whether a file looks like a scene rather than a light: a JSON object with objects.
@@ -62,7 +81,7 @@ pub fn parse_stage(bytes: &[u8], folder: &Path) -> std::result::Result<StageDesc
 /// If it cannot be read.
 pub fn is_stage(path: &Path) -> Result<bool> {
     let io = |source| Error::io(path, source);
-    if std::fs::metadata(path).map_err(io)?.len() > MAX_BYTES {
+    if std::fs::metadata(path).map_err(io)?.len() > MAX_BYTES as u64 {
         return Ok(false);
     }
     let value: std::result::Result<Value, _> = serde_json::from_slice(&std::fs::read(path).map_err(io)?);
@@ -70,7 +89,7 @@ pub fn is_stage(path: &Path) -> Result<bool> {
         .is_ok_and(|value| value.get("objects").is_some() || value.get("format") == Some(&json!("scene"))))
 }
 
-fn parse(value: &Value, folder: &Path) -> FaultOr<StageDescription> {
+fn parse(value: &Value, place: Place<'_>) -> FaultOr<StageDescription> {
     let mut keys = Keys::of(value, "the scene")?;
     let format = keys.needed("format")?;
     if format != "scene" {
@@ -89,44 +108,44 @@ fn parse(value: &Value, folder: &Path) -> FaultOr<StageDescription> {
     let field_error =
         keys.number("field_error", "a number from 0.0001 to below 0.5", |e| (1e-4..0.5).contains(&e))?;
     let seconds = keys.number("seconds", "a number above 0", |s| s > 0.0)?.unwrap_or(1.0);
-    let light = light(keys.needed("light")?, folder)?;
+    let light = light(keys.needed("light")?, place)?;
     let found = keys.needed("objects")?;
     let list = found.as_array().filter(|list| !list.is_empty() && list.len() <= MAX_OBJECTS);
     let list = list.ok_or_else(|| keys.wrong("objects", found, "an array of 1 to 4096 objects"))?;
     let mut names = BTreeSet::new();
     let mut objects = Vec::new();
     for (index, value) in list.iter().enumerate() {
-        let object = object(value, index, folder, bands)?;
+        let object = object(value, index, place, bands)?;
         if !names.insert(object.name.clone()) {
             return Err(SceneFault::Twice(object.name));
         }
         objects.push(object);
     }
-    let ground = keys.take("ground").map(|value| ground(value, folder)).transpose()?;
+    let ground = keys.take("ground").map(|value| ground(value, place)).transpose()?;
     keys.nothing_left()?;
     let field_error = field_error.unwrap_or(0.02);
     Ok(StageDescription { bands, rays, field_error, seconds, light, objects, ground })
 }
 
 /// Words as on the command line, whose files are relative to the folder, or the parts of a description.
-fn light(value: &Value, folder: &Path) -> FaultOr<Light> {
+fn light(value: &Value, Place { folder, files }: Place<'_>) -> FaultOr<Light> {
     let description = match value {
         Value::Array(parts) => json!({ "format": "light", "format_version": 1, "parts": parts }),
         Value::String(words) => {
-            let file = folder.join(words);
-            if !file.is_file() {
-                let light = Light::parse(words);
+            if !files.has(&folder.join(words)) {
+                let light = Light::parse_in(words, folder, &ReadOptions::RADIANCE, files);
                 return light.map_err(|error| SceneFault::Light(error.to_string()));
             }
             json!({ "format": "light", "format_version": 1, "parts": [{ "file": words }] })
         }
         other => other.clone(),
     };
-    let light = Light::from_json(&description, folder, &ReadOptions::RADIANCE);
+    let light = Light::from_json_in(&description, folder, &ReadOptions::RADIANCE, files);
     light.map_err(|fault| SceneFault::Light(fault.to_string()))
 }
 
-fn object(value: &Value, index: usize, folder: &Path, bands: Bands) -> FaultOr<ObjectDescription> {
+fn object(value: &Value, index: usize, place: Place<'_>, bands: Bands) -> FaultOr<ObjectDescription> {
+    let folder = place.folder;
     let mut keys = Keys::of(value, &format!("object {}", index + 1))?;
     let model = keys.text("model")?.map(str::to_owned);
     let baked = keys.text("baked")?.map(str::to_owned);
@@ -155,7 +174,7 @@ fn object(value: &Value, index: usize, folder: &Path, bands: Bands) -> FaultOr<O
         Some(up) => return Err(keys.wrong("up", up, "\"y\" or \"z\"")),
     };
     let albedo = keys.numbers("albedo", "three numbers from 0 to 1", |x| (0.0..=1.0).contains(&x))?;
-    let material = material(&mut keys, folder)?;
+    let material = material(&mut keys, place)?;
     let motion = motion(&mut keys)?;
     keys.nothing_left()?;
     Ok(ObjectDescription {
@@ -171,10 +190,10 @@ fn object(value: &Value, index: usize, folder: &Path, bands: Bands) -> FaultOr<O
 }
 
 /// Words as of `--brdf`; a file is relative to the folder, and read later.
-fn material(keys: &mut Keys<'_>, folder: &Path) -> FaultOr<Option<String>> {
+fn material(keys: &mut Keys<'_>, Place { folder, files }: Place<'_>) -> FaultOr<Option<String>> {
     let Some(words) = keys.text("material")? else { return Ok(None) };
     let path = folder.join(words);
-    if words.ends_with(".binary") || path.is_file() {
+    if words.ends_with(".binary") || files.has(&path) {
         return Ok(Some(path.to_string_lossy().into_owned()));
     }
     let fault = |what| SceneFault::Material { place: keys.place.clone(), what };
@@ -237,12 +256,12 @@ fn key(keys: &mut Keys<'_>, time: f32, position: Vec3, rotation: Quat) -> FaultO
     Ok(Key { time, position, rotation })
 }
 
-fn ground(value: &Value, folder: &Path) -> FaultOr<GroundDescription> {
+fn ground(value: &Value, place: Place<'_>) -> FaultOr<GroundDescription> {
     let mut keys = Keys::of(value, "the ground")?;
     let size = keys.number("size", "a number above 0", |s| s > 0.0)?.ok_or_else(|| keys.missing("size"))?;
     let plain = GroundDescription::of_size(size);
     let albedo = keys.numbers("albedo", "three numbers from 0 to 1", |x| (0.0..=1.0).contains(&x))?;
-    let material = material(&mut keys, folder)?;
+    let material = material(&mut keys, place)?;
     let ground = GroundDescription {
         height: keys.number("height", "a number", |_| true)?.unwrap_or(plain.height),
         center: keys.numbers("center", "x and z", |_| true)?.unwrap_or(plain.center),

@@ -9,13 +9,14 @@ use super::spec::FileWords;
 use super::words::{WordFault, Words, shortened};
 use super::{Light, LightCoeffs, Part, Source, coeffs};
 use crate::error::{Error, Result};
+use crate::file::{Disk, Files};
 use crate::image::ReadOptions;
 
 /// The version of the format that is read and written.
 pub const FORMAT_VERSION: u64 = 1;
 
 /// The longest file that is read: far more than the coefficients of 256 bands take.
-const MAX_BYTES: u64 = 64 << 20;
+const MAX_BYTES: usize = 64 << 20;
 
 /// How deep descriptions may name descriptions, and sums hold sums.
 const MAX_DEPTH: usize = 16;
@@ -116,11 +117,21 @@ pub enum Fault {
     Count,
 }
 
-/// The files that are being read, and how many parts there were in all.
-#[derive(Debug, Default)]
-pub(super) struct Trail {
+/// Where files are, those that are being read, and how many parts there were in all.
+pub(super) struct Trail<'a> {
+    from: &'a dyn Files,
     files: Vec<PathBuf>,
     part_count: usize,
+}
+
+impl<'a> Trail<'a> {
+    pub fn new(from: &'a dyn Files) -> Self {
+        Self { from, files: Vec::new(), part_count: 0 }
+    }
+
+    pub fn from(&self) -> &'a dyn Files {
+        self.from
+    }
 }
 
 /// Where a sum stands: the folder that its files are relative to, its place in the file, and how deep it is.
@@ -133,20 +144,19 @@ struct Place<'a> {
 type FaultOr<T> = std::result::Result<T, Fault>;
 
 /// Reads a light's `.json`: coefficients, or a description.
-pub(super) fn open(path: &Path, read: &ReadOptions, trail: &mut Trail) -> Result<Vec<Part>> {
-    let io = |source| Error::io(path, source);
+pub(super) fn open(path: &Path, read: &ReadOptions, trail: &mut Trail<'_>) -> Result<Vec<Part>> {
     let fault = |fault: Fault| Error::file(path, fault);
-    if std::fs::metadata(path).map_err(io)?.len() > MAX_BYTES {
+    let bytes = trail.from.bytes(path)?;
+    if bytes.len() > MAX_BYTES {
         return Err(fault(Fault::Long));
     }
-    let bytes = std::fs::read(path).map_err(io)?;
     let value: Value =
         serde_json::from_slice(&bytes).map_err(|error| fault(Fault::Json(shortened(&error.to_string()))))?;
     if !is_description(&value) {
         let coeffs = LightCoeffs::from_json(&value).map_err(|fault| Error::file(path, fault))?;
         return Ok(Light::of(Source::Coeffs(coeffs.into())).parts);
     }
-    let file = path.canonicalize().map_err(io)?;
+    let file = trail.from.identity(path)?;
     if trail.files.contains(&file) {
         return Err(fault(Fault::Cycle));
     }
@@ -165,7 +175,12 @@ pub fn is_description(value: &Value) -> bool {
     value.get("parts").is_some() || value.get("format").is_some()
 }
 
-fn description(value: &Value, folder: &Path, read: &ReadOptions, trail: &mut Trail) -> FaultOr<Vec<Part>> {
+fn description(
+    value: &Value,
+    folder: &Path,
+    read: &ReadOptions,
+    trail: &mut Trail<'_>,
+) -> FaultOr<Vec<Part>> {
     let object = value.as_object().ok_or(Fault::NotObject)?;
     let format = object.get("format").ok_or(Fault::Missing("format"))?;
     if format != "light" {
@@ -188,7 +203,7 @@ fn sum(
     taken: &[&str],
     place: &Place<'_>,
     read: &ReadOptions,
-    trail: &mut Trail,
+    trail: &mut Trail<'_>,
 ) -> FaultOr<Vec<Part>> {
     if place.depth >= MAX_DEPTH {
         return Err(Fault::Depth);
@@ -215,7 +230,7 @@ fn sum(
     Ok(parts)
 }
 
-fn part(value: &Value, place: &Place<'_>, read: &ReadOptions, trail: &mut Trail) -> FaultOr<Vec<Part>> {
+fn part(value: &Value, place: &Place<'_>, read: &ReadOptions, trail: &mut Trail<'_>) -> FaultOr<Vec<Part>> {
     let name = || place.name.clone();
     let object = value
         .as_object()
@@ -282,7 +297,20 @@ impl Light {
         folder: &Path,
         options: &ReadOptions,
     ) -> std::result::Result<Self, Fault> {
-        description(value, folder, options, &mut Trail::default()).map(Self::new)
+        Self::from_json_in(value, folder, options, &Disk)
+    }
+
+    /// [`Light::from_json`] with the files that `files` has.
+    ///
+    /// # Errors
+    /// As [`Light::from_json`].
+    pub fn from_json_in(
+        value: &Value,
+        folder: &Path,
+        options: &ReadOptions,
+        files: &dyn Files,
+    ) -> std::result::Result<Self, Fault> {
+        description(value, folder, options, &mut Trail::new(files)).map(Self::new)
     }
 
     /// The light as a description, with the files of its probes relative to `folder`; [`Light::from_json`] reads it.

@@ -39,6 +39,7 @@ pub use sun::{Sun, SunSettings};
 pub use words::{WordFault, facing};
 
 use crate::error::Result;
+use crate::file::{Disk, Files};
 use crate::image::ReadOptions;
 
 /// One source of a light.
@@ -140,7 +141,15 @@ impl Light {
     /// # Errors
     /// As [`Light::parse`].
     pub fn parse_with(spec: &str, options: &ReadOptions) -> Result<Self> {
-        spec::parse(spec, options).map(Self::new)
+        Self::parse_in(spec, Path::new(""), options, &Disk)
+    }
+
+    /// [`Light::parse_with`] with the files that `files` has, relative to `folder`.
+    ///
+    /// # Errors
+    /// As [`Light::parse`].
+    pub fn parse_in(spec: &str, folder: &Path, options: &ReadOptions, files: &dyn Files) -> Result<Self> {
+        spec::parse(spec, folder, options, files).map(Self::new)
     }
 
     /// Reads a `.json` of coefficients or of a description, with pictures read as `options` say.
@@ -148,7 +157,7 @@ impl Light {
     /// # Errors
     /// If the file cannot be read or is not as docs/format.md says.
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
-        description::open(path, options, &mut description::Trail::default()).map(Self::new)
+        description::open(path, options, &mut description::Trail::new(&Disk)).map(Self::new)
     }
 
     /// The parts of the sum.

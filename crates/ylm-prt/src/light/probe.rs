@@ -9,6 +9,7 @@ use ylm::layout::{Grid, Layout, accumulate};
 
 use super::{SunSettings, luminance};
 use crate::error::{Error, Result};
+use crate::file::{Disk, Files};
 use crate::image::{Decoded, Image, Projection, ReadOptions};
 
 /// A picture of the whole sphere; its radiance is constant over each texel.
@@ -96,7 +97,18 @@ impl Probe {
     /// # Errors
     /// If the file is no picture of radiance, or its shape does not fit the layout or is that of none.
     pub fn open(path: &Path, layout: Option<LayoutWord>, options: &ReadOptions) -> Result<Self> {
-        let probe = Self::new(Decoded::open(path, options)?, layout).map_err(|error| match error {
+        Self::open_in(path, layout, options, &Disk)
+    }
+
+    /// [`Probe::open`] with the files that `files` has.
+    pub(super) fn open_in(
+        path: &Path,
+        layout: Option<LayoutWord>,
+        options: &ReadOptions,
+        files: &dyn Files,
+    ) -> Result<Self> {
+        let decoded = Decoded::parse(&files.bytes(path)?, path, options)?;
+        let probe = Self::new(decoded, layout).map_err(|error| match error {
             Error::Io { .. } | Error::File { .. } => error,
             other => Error::file(path, other),
         })?;

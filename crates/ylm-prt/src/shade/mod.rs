@@ -37,7 +37,9 @@ pub use adaptive::{AdaptiveScene, AdaptiveSettings, Coherence, shade_adaptive, s
 pub use ball::{Ball, Cap, dim};
 pub use brdf::{BrdfLight, BrdfTable, Reflection, shade_brdf};
 pub use diffuse::shade_diffuse;
-pub use fields::{Apart, Body, FieldFrame, FieldProduct, FieldShading, shade_fields};
+pub use fields::{
+    Apart, Body, FieldFrame, FieldProduct, FieldShading, Share, shade_fields, shade_fields_share,
+};
 pub use glossy::{GlossyLight, GlossyMaterial, Received, SpecularWay, shade_glossy};
 pub use incident::{Far, Incident, shade_diffuse_under};
 pub use lamps::{BallShadow, Lamp, LightBlend, NearLight, middle, shade_diffuse_behind, shade_diffuse_near};

@@ -1,12 +1,13 @@
 //! What a scene's file says, before anything that it names is read.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use ylm::Bands;
 
 use super::Motion;
 use crate::light::Light;
 use crate::scene::UpAxis;
+use crate::scene::brdf::Brdf;
 
 /// A scene of moving objects: docs/format.md, "The scene".
 #[derive(Clone, Debug)]
@@ -27,6 +28,20 @@ pub struct StageDescription {
     pub ground: Option<GroundDescription>,
 }
 
+impl StageDescription {
+    /// The files that objects and ground name to be shaded from, some more than once; those of the light are read already.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let ground = self.ground.iter().filter_map(|ground| ground.material.as_deref());
+        let objects = self.objects.iter().filter_map(|object| object.material.as_deref());
+        let measured = objects.chain(ground).filter(|words| words.parse::<Brdf>().is_err()).map(Path::new);
+        let baked = self
+            .objects
+            .iter()
+            .flat_map(|object| [Some(object.baked.as_path()), object.field.as_deref()].into_iter().flatten());
+        baked.chain(measured)
+    }
+}
+
 /// An object of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectDescription {
@@ -43,8 +58,6 @@ pub struct ObjectDescription {
     /// Instead of its own; times the material if there is one.
     pub albedo: Option<[f32; 3]>,
     /// How it reflects, in the words of [`Brdf::parse`]; `None` if it is diffuse.
-    ///
-    /// [`Brdf::parse`]: crate::scene::brdf::Brdf::parse
     pub material: Option<String>,
     /// Where it is when.
     pub motion: Motion,

@@ -17,9 +17,9 @@ use ylm::Bands;
 
 use crate::error::Result;
 use crate::field::{OcclusionField, SphereSet};
-use crate::light::Light;
+use crate::light::{Light, LightCoeffs};
 use crate::scene::{LightingPoints, Pose, SurfacePart};
-use crate::shade::fields::{Body, FieldFrame, FieldShading, shade_fields};
+use crate::shade::fields::{Body, FieldFrame, FieldShading, Share, shade_fields, shade_fields_share};
 
 /// Objects under a light, ready to be shaded at any time.
 #[derive(Clone, Debug)]
@@ -64,8 +64,31 @@ impl Stage {
     /// # Errors
     /// As [`shade_fields`], and if a material cannot be tabulated.
     pub fn shade(&self, time: f32, shading: &FieldShading) -> Result<FieldFrame> {
+        shade_fields(&self.bodies(&self.poses(time))?, &self.light, self.bands, shading)
+    }
+
+    /// Radiance of some points, with each actor at a pose, under what shines from far away by coefficients and those parts of the stage's light
+    /// that stand somewhere: [`shade_fields_share`].
+    ///
+    /// # Errors
+    /// As [`Stage::shade`].
+    ///
+    /// # Panics
+    /// If there is not one pose an actor, or no such share.
+    pub fn shade_share(
+        &self,
+        poses: &[Pose],
+        far: &LightCoeffs,
+        shading: &FieldShading,
+        share: Share,
+    ) -> Result<FieldFrame> {
+        shade_fields_share(&self.bodies(poses)?, far, &self.light, self.bands, shading, share)
+    }
+
+    fn bodies(&self, poses: &[Pose]) -> Result<Vec<Body<'_>>> {
+        assert_eq!(poses.len(), self.actors.len(), "each actor stands somewhere");
         let mut bodies: Vec<Body<'_>> = Vec::new();
-        for (actor, world_from_local) in self.actors.iter().zip(self.poses(time)) {
+        for (actor, &world_from_local) in self.actors.iter().zip(poses) {
             bodies.push(Body {
                 points: &actor.points,
                 visibility: &actor.visibility,
@@ -75,7 +98,23 @@ impl Stage {
                 world_from_local,
             });
         }
-        shade_fields(&bodies, &self.light, self.bands, shading)
+        Ok(bodies)
+    }
+
+    /// Gives each object that casts a shadow balls that stand for it, for shadows by exponentiation; objects of one surface share them.
+    pub fn make_spheres(&mut self, count: usize) {
+        for index in 0..self.actors.len() {
+            if self.actors[index].field.is_none() {
+                continue;
+            }
+            let (before, rest) = self.actors.split_at_mut(index);
+            let actor = &mut rest[0];
+            let twin = before.iter().find(|other| Arc::ptr_eq(&other.points, &actor.points));
+            actor.spheres = match twin.and_then(|twin| twin.spheres.clone()) {
+                Some(spheres) => Some(spheres),
+                None => Some(Arc::new(SphereSet::of_surface(&actor.points, count))),
+            };
+        }
     }
 
     /// All actors as one surface in the world at a time, points and triangles in the order of the actors.

@@ -1,14 +1,16 @@
 //! A scene with all that it names.
 
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Arc;
 
 use ylm::Bands;
 
-use super::super::{read_baked, read_field};
-use super::read_stage;
+use super::super::{parse_baked, parse_field};
+use super::read_stage_in;
 use crate::error::{Error, Result};
+use crate::file::{Disk, Files};
 use crate::scene::brdf::Brdf;
 use crate::stage::{Actor, Material, ObjectDescription, Stage, ground};
 
@@ -16,8 +18,18 @@ use crate::stage::{Actor, Material, ObjectDescription, Stage, ground};
 ///
 /// # Errors
 /// As [`read_stage`], and if a file cannot be read, has no visibility, or other bands than the scene.
+///
+/// [`read_stage`]: super::read_stage
 pub fn open_stage(path: &Path) -> Result<Stage> {
-    let description = read_stage(path)?;
+    open_stage_in(path, &Disk)
+}
+
+/// [`open_stage`] with the files that `files` has.
+///
+/// # Errors
+/// As [`open_stage`].
+pub fn open_stage_in(path: &Path, files: &dyn Files) -> Result<Stage> {
+    let description = read_stage_in(path, files)?;
     let mut actors: Vec<Actor> = Vec::new();
     let mut materials: BTreeMap<String, Arc<Material>> = BTreeMap::new();
     let mut material_of = |words: &Option<String>| -> Result<Option<Arc<Material>>> {
@@ -25,7 +37,7 @@ pub fn open_stage(path: &Path) -> Result<Stage> {
         if let Some(known) = materials.get(words) {
             return Ok(Some(known.clone()));
         }
-        let made = Arc::new(Material::new(Brdf::parse(words)?));
+        let made = Arc::new(Material::new(Brdf::parse_in(words, files)?));
         materials.insert(words.clone(), made.clone());
         Ok(Some(made))
     };
@@ -37,7 +49,7 @@ pub fn open_stage(path: &Path) -> Result<Stage> {
         });
         let mut actor = match twin {
             Some(twin) => actors[twin].clone(),
-            None => read_actor(object, description.bands)?,
+            None => read_actor(object, description.bands, files)?,
         };
         actor.name.clone_from(&object.name);
         actor.material = material_of(&object.material)?;
@@ -52,11 +64,11 @@ pub fn open_stage(path: &Path) -> Result<Stage> {
     Ok(Stage { bands, light, seconds, actors })
 }
 
-/// Reads what an object of a scene names, but for its material.
+/// Reads what an object of a scene names, but for its material, of the files that `files` has.
 ///
 /// # Errors
 /// If a file cannot be read, has no visibility, or other bands.
-pub fn read_actor(object: &ObjectDescription, bands: Bands) -> Result<Actor> {
+pub fn read_actor(object: &ObjectDescription, bands: Bands, files: &dyn Files) -> Result<Actor> {
     let refuse = |path: &Path, what: String| Err(Error::file(path, what));
     let other_bands = |path: &Path, found: Bands| {
         let (found, wanted) = (found.count(), bands.count());
@@ -65,7 +77,16 @@ pub fn read_actor(object: &ObjectDescription, bands: Bands) -> Result<Actor> {
             format!("it has {found} bands, and the scene {wanted}; bake it again with `ylm scene --rebake`"),
         )
     };
-    let baked = read_baked(&object.baked)?;
+    let bytes = |path: &'_ Path| {
+        files.bytes(path).map_err(|error| match error {
+            Error::Io { source, .. } if source.kind() == ErrorKind::NotFound && object.model.is_some() => {
+                Error::file(path, "it is not there; `ylm scene` bakes it from the model")
+            }
+            error => error,
+        })
+    };
+    let baked = parse_baked(&bytes(&object.baked)?);
+    let baked = baked.map_err(|fault| Error::file(&object.baked, fault))?;
     if baked.transfer.bands != bands {
         return other_bands(&object.baked, baked.transfer.bands);
     }
@@ -76,7 +97,7 @@ pub fn read_actor(object: &ObjectDescription, bands: Bands) -> Result<Actor> {
     let field = match &object.field {
         None => None,
         Some(path) => {
-            let field = read_field(path)?;
+            let field = parse_field(&bytes(path)?).map_err(|fault| Error::file(path, fault))?;
             if field.bands() != bands {
                 return other_bands(path, field.bands());
             }

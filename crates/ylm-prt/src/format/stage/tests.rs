@@ -1,7 +1,10 @@
+use std::collections::BTreeMap;
+
 use super::*;
+use crate::file::Noted;
 
 fn scene(text: &str) -> FaultOr<StageDescription> {
-    parse(&serde_json::from_str(text).unwrap(), Path::new("folder"))
+    parse(&serde_json::from_str(text).unwrap(), Place { folder: Path::new("folder"), files: &Disk })
 }
 
 const SMALL: &str =
@@ -18,6 +21,33 @@ fn what_is_not_said_has_its_default() {
     assert_eq!(chair.baked, Path::new("folder/chair-10.baked"));
     assert_eq!(chair.field.as_deref(), Some(Path::new("folder/chair-10.field")));
     assert!(chair.motion.is_still() && chair.motion.scale == 1.0);
+}
+
+#[test]
+fn a_light_in_words_names_files_of_the_scenes_folder_and_its_objects_those_beside_it() {
+    let white = r#"{"format": "light", "format_version": 1, "parts": [{"source": "white"}]}"#;
+    let light =
+        r#"{"format": "light", "format_version": 1, "parts": [{"file": "white.json"}, {"source": "white"}]}"#;
+    let text = SMALL.replace("\"white\"", "\"lights/two+.json?intensity=3+white\"");
+    let text = text.replace("ply\"}", "ply\", \"material\": \"steel.binary\"}");
+    let mut files = BTreeMap::from([
+        (PathBuf::from("folder/lights/two+.json"), light.as_bytes().to_vec()),
+        (PathBuf::from("folder/scene.json"), text.into_bytes()),
+    ]);
+    let noted = Noted::new(&files);
+    let error = read_stage_in(Path::new("folder/scene.json"), &noted).unwrap_err().to_string();
+    assert!(error.starts_with("folder/scene.json: the light: "), "{error}");
+    let asked = ["folder/lights/two+.json", "folder/lights/white.json", "folder/scene.json"];
+    assert_eq!(noted.asked(), asked.map(PathBuf::from));
+    files.insert(PathBuf::from("folder/lights/white.json"), white.as_bytes().to_vec());
+    let scene = read_stage_in(Path::new("folder/scene.json"), &files).unwrap();
+    let scales: Vec<f32> = scene.light.parts().iter().map(|part| part.scale.x).collect();
+    assert_eq!(scales, [3.0, 3.0, 1.0]);
+    let named: Vec<&Path> = scene.files().collect();
+    assert_eq!(
+        named,
+        ["chair-10.baked", "chair-10.field", "steel.binary"].map(|name| Path::new("folder").join(name))
+    );
 }
 
 #[test]
@@ -59,7 +89,7 @@ fn each_fault_names_its_place() {
         (r#""scene""#, r#""light""#, "the scene: \"format\" is \"light\", expected \"scene\""),
         ("1,", "2,", "\"format_version\" is 2, expected 1"),
         (r#""light": "white", "#, "", "the scene has no \"light\""),
-        (r#""white""#, r#""with""#, "the light: with: No such file"),
+        (r#""white""#, r#""with""#, "the light: folder/with: No such file"),
         (r#""white""#, r#"[{"source": "sun"}]"#, "the light: part 1 has the source \"sun\""),
         (
             r#""objects""#,

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::{Brdf, Merl};
 use crate::error::{Error, Result};
+use crate::file::{Disk, Files};
 
 impl Brdf {
     /// Reads `lambert`, `phong:S`, `blinn-phong:S`, `ward:A` or `ward:AX,AY`, `ggx:A` or `ggx:A,F0`; else the path of a measured BRDF in
@@ -14,8 +15,19 @@ impl Brdf {
     /// # Errors
     /// If a number is missing or out of its range, or the file cannot be read: one line that names it and what is allowed.
     pub fn parse(text: &str) -> Result<Self> {
-        if text.ends_with(".binary") || Path::new(text).is_file() {
-            return Ok(Self::Measured(Arc::new(Merl::open(Path::new(text))?)));
+        Self::parse_in(text, &Disk)
+    }
+
+    /// [`Brdf::parse`] with the files that `files` has.
+    ///
+    /// # Errors
+    /// As [`Brdf::parse`].
+    pub fn parse_in(text: &str, files: &dyn Files) -> Result<Self> {
+        let path = Path::new(text);
+        if text.ends_with(".binary") || files.has(path) {
+            let bytes = files.bytes(path)?;
+            let measured = Merl::decode(&bytes).map_err(|fault| Error::file(path, fault))?;
+            return Ok(Self::Measured(Arc::new(measured)));
         }
         text.parse().map_err(Error::Request)
     }

@@ -14,6 +14,8 @@ pub struct Lamp {
     place: Vec3,
     /// Its radiance.
     pub colour: Vec3,
+    /// Bands that light.
+    bands: Bands,
 }
 
 /// Buffers of a thread.
@@ -28,12 +30,12 @@ pub struct Scratch {
 }
 
 impl Lamp {
-    /// The lamps of a light.
-    pub fn all(light: &Light, local_from_world: Quat) -> Vec<Self> {
+    /// The lamps of a light, that light by their first bands.
+    pub fn all(light: &Light, local_from_world: Quat, bands: Bands) -> Vec<Self> {
         let lamp = |part: &Part| {
             let place = part.place()?;
             let white = Light::new(vec![Part { scale: Vec3::ONE, ..part.clone() }]);
-            Some(Self { light: white.rotated(local_from_world), place, colour: part.scale })
+            Some(Self { light: white.rotated(local_from_world), place, colour: part.scale, bands })
         };
         light.parts().iter().filter_map(lamp).collect()
     }
@@ -46,11 +48,13 @@ impl Lamp {
         places: impl Iterator<Item = Vec3>,
         scratch: &mut Scratch,
     ) -> Result<()> {
+        let width = bands.coeff_count();
         scratch.light.clear();
         scratch.distances.clear();
         for place in places {
-            let coeffs = self.light.project_at(local_from_world * place, bands)?;
+            let coeffs = self.light.project_at(local_from_world * place, self.bands)?;
             scratch.light.extend_from_slice(&coeffs.channels[0]);
+            scratch.light.resize(scratch.distances.len() * width + width, 0.0);
             scratch.distances.push(place.distance(self.place));
         }
         Ok(())

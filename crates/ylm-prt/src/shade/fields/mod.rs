@@ -10,13 +10,12 @@
 //! Everything happens in the axes of the object that is lit: its own visibility and its cosines stand still there, the light is turned
 //! once, and fields have to be turned for each point anyway. [Zhou et al. 2005], [Xin21] 5.3.2
 
+mod clock;
 mod exponential;
 mod lamps;
 mod multiply;
 mod outline;
 mod seen;
-
-use std::time::Instant;
 
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
@@ -31,6 +30,7 @@ use crate::scene::{LightingPoints, Pose};
 use crate::shade::brdf::{BrdfTable, Facing, FacingScratch};
 use crate::shade::diffuse::reflected;
 use crate::shade::lit::{Integral, IntegralScratch};
+use clock::Clock;
 use exponential::Exponential;
 pub use exponential::LogTable;
 use lamps::Lamp;
@@ -92,6 +92,25 @@ pub struct FieldShading {
     pub eye: Vec3,
 }
 
+/// Which points are shaded: chunks of them are dealt out to parts in turn, as each may be near to other objects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Share {
+    /// Which part, from 0.
+    pub part: usize,
+    /// How many parts there are.
+    pub part_count: usize,
+}
+
+impl Share {
+    /// All points.
+    pub const ALL: Self = Self { part: 0, part_count: 1 };
+
+    /// Whether the points of a chunk are of this share; the chunks of all bodies are counted on.
+    fn has(self, chunk: usize) -> bool {
+        chunk % self.part_count == self.part
+    }
+}
+
 /// What comes of shading: radiance, and what it took.
 #[derive(Clone, Debug, Default)]
 pub struct FieldFrame {
@@ -99,7 +118,7 @@ pub struct FieldFrame {
     pub radiance: Vec<Vec<Vec3>>,
     /// Pairs of a point and an object that hides something from it.
     pub pair_count: usize,
-    /// Seconds of all threads together in products of SH functions and integrals of them.
+    /// Seconds of all threads together in products of SH functions and integrals of them; 0 in wasm, as the next.
     pub product_seconds: f64,
     /// Seconds of all threads together.
     pub thread_seconds: f64,
@@ -123,6 +142,29 @@ pub fn shade_fields(
     bands: Bands,
     shading: &FieldShading,
 ) -> Result<FieldFrame> {
+    let far = light.far().project(bands)?;
+    shade_fields_share(bodies, &far, light, bands, shading, Share::ALL)
+}
+
+/// [`shade_fields`] of some points, to the same radiance; that of all others is 0.
+///
+/// What shines from far away is given by its coefficients: as they stay the same while objects move. They may have fewer bands than the
+/// bodies, and then all of the light is of so many bands. Of `light` itself the parts count that stand somewhere.
+///
+/// # Errors
+/// As [`shade_fields`].
+///
+/// # Panics
+/// If there is no such share.
+pub fn shade_fields_share(
+    bodies: &[Body<'_>],
+    far: &LightCoeffs,
+    light: &Light,
+    bands: Bands,
+    shading: &FieldShading,
+    share: Share,
+) -> Result<FieldFrame> {
+    assert!(share.part < share.part_count, "part {} of {}", share.part, share.part_count);
     let width = bands.coeff_count();
     for (index, body) in bodies.iter().enumerate() {
         let has_bands = body.visibility.len() == body.points.positions.len() * width
@@ -136,19 +178,20 @@ pub fn shade_fields(
             )));
         }
     }
-    let far = light.far().project(bands)?;
     let log_table = match shading.product {
         FieldProduct::Exponential => Some(LogTable::of(bands)?),
         _ => None,
     };
     let mut frame = FieldFrame::default();
+    let mut first_chunk = 0;
     for index in 0..bodies.len() {
-        let stage = Lit::new(bodies, index, light, &far, bands, shading, log_table.as_deref())?;
+        let stage = Lit::new(bodies, index, light, far, bands, shading, log_table.as_deref())?;
         let point_count = bodies[index].points.positions.len();
         let mut radiance = vec![Vec3::ZERO; point_count];
         let counts = radiance
             .par_chunks_mut(CHUNK)
             .enumerate()
+            .filter(|(chunk, _)| share.has(first_chunk + chunk))
             .map_init(Scratch::default, |scratch, (chunk, radiance)| {
                 stage.shade(chunk * CHUNK, radiance, scratch)
             })
@@ -158,6 +201,7 @@ pub fn shade_fields(
             frame.product_seconds += counts.product_seconds;
             frame.thread_seconds += counts.thread_seconds;
         }
+        first_chunk += point_count.div_ceil(CHUNK);
         frame.radiance.push(radiance);
     }
     Ok(frame)
@@ -219,7 +263,8 @@ impl<'a> Lit<'a> {
         let margin = (shading.apart == Apart::Added).then(|| Margin::of(bands));
         let pose = bodies[index].world_from_local;
         let local_from_world = pose.rotation.conjugate();
-        let far = far.rotated(local_from_world)?;
+        let light_bands = far.bands.min(bands);
+        let far = far.resized(light_bands).rotated(local_from_world)?.resized(bands);
         Ok(Self {
             bodies,
             index,
@@ -227,7 +272,7 @@ impl<'a> Lit<'a> {
             window: shading.window,
             local_from_world,
             integral: Integral::new(bands, Some(&far))?,
-            lamps: Lamp::all(light, local_from_world),
+            lamps: Lamp::all(light, local_from_world, light_bands),
             cosine: Zonal::clamped_cosine(bands),
             facing: bodies[index].material.map(|table| Facing::new(table, pose.undo(shading.eye))),
             surroundings: Surroundings::new(bodies, index, bands, margin),
@@ -242,7 +287,7 @@ impl<'a> Lit<'a> {
 
     /// Writes the radiance of some points, from `first` on.
     fn shade(&self, first: usize, radiance: &mut [Vec3], scratch: &mut Scratch) -> Result<Counts> {
-        let start = Instant::now();
+        let start = Clock::start();
         let (points, width) = (self.body().points, self.bands.coeff_count());
         let range = first..first + radiance.len();
         let Scratch { workspace, seen, visibility, functions, facing, integral, lamp, multiply, exponential } =
@@ -254,13 +299,13 @@ impl<'a> Lit<'a> {
             None => seen.look(&self.surroundings, range.clone())?,
             Some(exponential_way) => exponential_way.look(range.clone(), exponential)?,
         }
-        let product_start = Instant::now();
+        let product_start = Clock::start();
         match &self.exponential {
             None => self.multiply.all(own, seen, &|_| true, visibility, multiply, workspace)?,
             Some(way) => way.multiply(own, None, visibility, exponential, workspace)?,
         }
         self.damp(visibility)?;
-        product_seconds += product_start.elapsed().as_secs_f64();
+        product_seconds += product_start.seconds();
 
         match &self.facing {
             Some(way) => way.functions(points, range.clone(), None, functions, facing)?,
@@ -271,9 +316,9 @@ impl<'a> Lit<'a> {
                 self.cosine.rotate_batch(&normals, functions)?;
             }
         }
-        let product_start = Instant::now();
+        let product_start = Clock::start();
         self.integral.add_far(visibility, functions, radiance, integral, workspace)?;
-        product_seconds += product_start.elapsed().as_secs_f64();
+        product_seconds += product_start.seconds();
         for light in &self.lamps {
             let pose = &self.body().world_from_local;
             let places = points.positions[range.clone()].iter().map(|&x| pose.apply(x));
@@ -308,7 +353,7 @@ impl<'a> Lit<'a> {
                 *radiance += Vec3::from(emission[point]);
             }
         }
-        let thread_seconds = start.elapsed().as_secs_f64();
+        let thread_seconds = start.seconds();
         let pairs = if self.exponential.is_some() { exponential.pair_count() } else { seen.pair_count() };
         Ok(Counts { pairs, product_seconds, thread_seconds })
     }
