@@ -16,7 +16,7 @@ pub struct Scene(pub(crate) Share);
 
 /// The light of a view.
 #[wasm_bindgen]
-pub struct Lamp(crate::Lamp);
+pub struct Lamp(pub(crate) crate::Lamp);
 
 /// What comes of a frame.
 #[wasm_bindgen]
@@ -26,7 +26,7 @@ pub(crate) fn error(error: ylm_prt::Error) -> JsError {
     JsError::new(&error.to_string())
 }
 
-fn flat(vectors: &[Vec3]) -> Vec<f32> {
+pub(crate) fn flat(vectors: &[Vec3]) -> Vec<f32> {
     vectors.iter().flat_map(|vector| vector.to_array()).collect()
 }
 
@@ -40,7 +40,7 @@ fn bands_of(count: usize) -> Result<Bands, JsError> {
 }
 
 /// Coefficients from [channel, n²].
-fn coeffs_of(flat: &[f32], bands: Bands) -> Result<LightCoeffs, JsError> {
+pub(crate) fn coeffs_of(flat: &[f32], bands: Bands) -> Result<LightCoeffs, JsError> {
     let width = bands.coeff_count();
     if flat.len() != 3 * width {
         return Err(JsError::new(&format!("{} coefficients; {} are three channels", flat.len(), 3 * width)));

@@ -47,6 +47,15 @@ impl Lamp {
         Ok(())
     }
 
+    /// Takes a light in the place of the probe, as [`Lamp::open_probe`]; of it those parts shine that are far away.
+    ///
+    /// # Errors
+    /// If its coefficients leave the range of f32; the lamp is as it was then.
+    pub fn open_light(&mut self, light: &Light) -> Result<()> {
+        self.probe = Some(Part::new(light.far(), self.bands)?);
+        Ok(())
+    }
+
     /// Shines by the words of the command line, if there are any, and by the probe so many times over; no file can be named.
     ///
     /// # Errors
