@@ -14,6 +14,7 @@ const BASE_BANDS = 3;
 
 const state = stateOf(location.hash);
 const isShared = location.hash.length > 1;
+const saysSky = new URLSearchParams(location.hash.slice(1)).has('sky');
 const viewer = made();
 const panel = new Panel(state, viewer);
 
@@ -30,7 +31,8 @@ const fault = (what: unknown) => complain(what instanceof Error ? what.message :
 
 function changed(change: Change) {
   viewer.changed(change);
-  history.replaceState(null, '', `#${fragmentOf(state)}`);
+  // No sky is what a scene with a light of its own begins with.
+  history.replaceState(null, '', `#${fragmentOf(state, viewer.geometry?.moving ? ['sky'] : [])}`);
 }
 
 const number = (value: number) => value.toLocaleString('en');
@@ -40,7 +42,8 @@ function report({ lit, isOnGpu, legend, milliseconds }: Report) {
   if (!geometry) return;
   const shading = lit.reduce((sum, part) => sum + part.milliseconds, 0);
   const spared = lit.find((part) => part.filtered.length > 0)?.filtered.map((part) => `${Math.round(100 * part)} %`);
-  element('shape').textContent = `${number(geometry.positions.length / 3)} points, ${number(geometry.triangles.length / 3)} triangles, ${geometry.bands} bands, ${geometry.transfer}`;
+  const what = geometry.moving ? `${geometry.moving.names.length} objects` : geometry.transfer;
+  element('shape').textContent = `${number(geometry.positions.length / 3)} points, ${number(geometry.triangles.length / 3)} triangles, ${geometry.bands} bands, ${what}`;
   element('time').textContent = `Relit ${isOnGpu ? 'by the GPU ' : ''}in ${shading.toFixed(1)} ms, drawn after ${milliseconds.toFixed(1)} ms`;
   element('spared').textContent = spared ? `Spared by the filter: diffuse ${spared[0]}, specular ${spared[1]}` : '';
   showLegend(legend, geometry.scales, BASE_BANDS);
@@ -72,14 +75,29 @@ async function showDemo(rays: number) {
   }
 }
 
+/** A scene of this name is open. */
+function shown(name: string) {
+  element('name').textContent = name;
+  document.title = `${name} · ylm`;
+  complain('');
+}
+
 const taker: Taker = {
   async scene(file) {
     await viewer.openScene(file);
     state.demo = 0;
-    element('name').textContent = file.name;
-    document.title = `${file.name} · ylm`;
-    complain('');
+    shown(file.name);
     panel.show();
+  },
+  async moving(scene, beside) {
+    const own = await viewer.openMoving(scene, beside);
+    state.demo = 0;
+    shown(scene.name);
+    // It has a light of its own.
+    Object.assign(state, { probe: true, sky: 'none', words: '' });
+    panel.show();
+    changed('light');
+    return own;
   },
   async probe(file) {
     await viewer.openProbe(file);
@@ -137,8 +155,15 @@ async function begin() {
   };
   viewer.navigation.onMove = () => {
     state.eye = viewer.navigation.numbers.map((x) => x.toPrecision(5)).join(',');
-    const isSeen = [state.shading, state.against].some((name) => ['glossy', 'adaptive'].includes(name));
+    const isSeen = viewer.geometry?.moving?.hasMaterials ?? [state.shading, state.against].some((name) => ['glossy', 'adaptive'].includes(name));
     changed(isSeen ? 'frame' : 'picture');
+  };
+  viewer.moving.onMove = () => {
+    viewer.moved();
+    panel.show();
+    // An address that changes with every picture is refused by browsers.
+    if (viewer.moving.isPlaying) viewer.changed('frame');
+    else changed('frame');
   };
   viewer.navigation.onTurnLight = (turn, tilt) => {
     const tenth = (degrees: number) => Math.round(10 * degrees) / 10;
@@ -159,11 +184,12 @@ async function begin() {
   const wanted = { ...state };
   await takeGiven(served, taker);
   // A shared address says what shines, not what was opened last.
-  if (isShared) {
-    Object.assign(state, { probe: wanted.probe, sky: wanted.sky, background: wanted.background });
-    panel.show();
-    changed('light');
-  }
+  const { probe, sky, words, background } = wanted;
+  if (isShared && (!viewer.geometry?.moving || saysSky)) Object.assign(state, { probe, sky, words, background });
+  else if (!isShared && viewer.geometry?.moving && words) Object.assign(state, { probe: false, words });
+  else return;
+  panel.show();
+  changed('light');
 }
 
 void begin();

@@ -1,4 +1,5 @@
 /** What the page asks of its workers, and what they answer. */
+import type { MovingCalls } from './moving-messages';
 
 /** What a frame is lit by, and how. */
 export interface Look {
@@ -48,6 +49,8 @@ export interface Lit {
   /** Shares of the points that the filter spared, diffuse and specular; empty unless adaptive. */
   filtered: number[];
   milliseconds: number;
+  /** Of objects that move: where they stood, [object, 8], and how far they had been moved, [object, 3]. */
+  placed?: { poses: Float32Array<ArrayBuffer>; moved: number[] };
 }
 
 /** A baked scene as `ylm_gpu::PackedScene` has it; n bands, p points, B = ⌈p/64⌉ blocks of 64. */
@@ -79,7 +82,7 @@ export interface PackedLight {
 }
 
 /** Questions by name, each with its answer. */
-export interface Calls {
+export interface Calls extends MovingCalls {
   /** Bakes a part of the built-in scene; answers its transfer, [point, n²], 0 in the other parts. */
   bakeDemo: { ask: { bands: number; rays: number; part: number; partCount: number }; answer: Float32Array<ArrayBuffer> };
   /** The bytes of the built-in scene's file, of the sum of its parts. */

@@ -1,6 +1,7 @@
 /** The controls: each is bound to the key of the state that it is named after. */
 import { bandAt, showEnergies } from './charts';
 import { hasSun, sunOf } from './light';
+import { SHADINGS_OF_FIELDS } from './moving';
 import { element } from './page';
 import { KEYS, type Key, type State } from './state';
 import type { Change, Viewer } from './viewer';
@@ -37,6 +38,7 @@ const TEXTS: Partial<Record<Key, (state: State) => string>> = {
   diffuse: (state) => state.diffuse.toFixed(2),
   specular: (state) => state.specular.toFixed(2),
   shininess: (state) => String(state.shininess),
+  second: (state) => `${state.second.toFixed(2)} s`,
 };
 
 export class Panel {
@@ -104,6 +106,8 @@ export class Panel {
       'of-disc': state.disc,
       'of-gloss': shadings.some((name) => ['glossy', 'adaptive'].includes(name)),
       'of-adaptive': shadings.includes('adaptive'),
+      'of-moving': viewer.geometry?.moving !== undefined,
+      'of-baked': viewer.geometry?.moving === undefined,
     };
     for (const [name, does] of Object.entries(applies)) {
       for (const row of document.querySelectorAll<HTMLElement>(`#panel .${name}`)) row.hidden = !does;
@@ -115,6 +119,7 @@ export class Panel {
     element('sun-place').textContent = `The sun stands ${Math.round(sunOf(state.hour)[0])}° high.`;
     const baked = viewer.geometry?.transfer;
     for (const option of document.querySelectorAll<HTMLOptionElement>('#shading option, #against option')) {
+      option.hidden = SHADINGS_OF_FIELDS.includes(option.value) ? baked !== 'moving' : baked === 'moving' && option.value !== '';
       option.disabled = baked !== undefined && option.value !== '' && viewer.shadingOf(option.value) !== option.value;
       option.dataset['name'] ??= option.text;
       option.text = option.dataset['name'] + (option.disabled ? ' – not baked' : '');

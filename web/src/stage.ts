@@ -1,7 +1,7 @@
 /** What is drawn: the mesh with a radiance at each point, up to twice side by side, and the light behind it. WebGL2 through three.js. */
 import {
   BufferAttribute, BufferGeometry, Color, DataTexture, FloatType, GLSL3, LinearFilter, Matrix3, Matrix4, Mesh, NearestFilter, PerspectiveCamera,
-  PlaneGeometry, RGBAFormat, RepeatWrapping, Scene, ShaderMaterial, UnsignedByteType, Vector3, WebGLRenderer, type Quaternion,
+  PlaneGeometry, RGBAFormat, Raycaster, RepeatWrapping, Scene, ShaderMaterial, UnsignedByteType, Vector2, Vector3, WebGLRenderer, type Quaternion, type Ray,
 } from 'three';
 import { PAST, SHOWN, SKY_FRAGMENT, SKY_VERTEX, SURFACE_FRAGMENT, SURFACE_VERTEX, TONE_MAPS } from './shaders';
 
@@ -78,7 +78,7 @@ class Side {
 export class Stage {
   readonly camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100);
   readonly center = new Vector3();
-  private radius = 1;
+  radius = 1;
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly shared = { gain: { value: 1 }, toneMap: { value: 0 }, scales: { value: null as DataTexture | null } };
@@ -107,6 +107,30 @@ export class Stage {
     geometry.boundingBox!.getCenter(this.center);
     this.radius = geometry.boundingSphere!.radius || 1;
     this.isEmpty = false;
+  }
+
+  /** Moves the points. */
+  setPositions(positions: Float32Array) {
+    // Both sides have the same.
+    const { geometry } = this.sides[0].mesh;
+    const attribute = geometry.getAttribute('position') as BufferAttribute;
+    (attribute.array as Float32Array).set(positions);
+    attribute.needsUpdate = true;
+    geometry.computeBoundingSphere();
+  }
+
+  /** The ray from the eye through a place of the canvas, in pixels. */
+  ray(x: number, y: number): Ray {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const caster = new Raycaster();
+    caster.setFromCamera(new Vector2((2 * x) / width - 1, 1 - (2 * y) / height), this.camera);
+    return caster.ray;
+  }
+
+  /** The triangle that a ray meets first, and where. */
+  hit(ray: Ray): { triangle: number; point: Vector3 } | undefined {
+    const found = new Raycaster(ray.origin, ray.direction).intersectObject(this.sides[0].mesh)[0];
+    return found && { triangle: found.faceIndex!, point: found.point };
   }
 
   setRadiance(side: 0 | 1, radiance: Float32Array, shown: Shown): Scale | null {

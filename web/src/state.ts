@@ -22,6 +22,10 @@ export const DEFAULTS = {
   tilt: 0,
   bands: 256,
 
+  /** Of objects that move: the second of the animation, and what was moved by hand, as `object:x,z;…`. */
+  second: 0,
+  moved: '',
+
   /** Empty: all that was baked. */
   shading: '',
   /** What the right of the picture is shaded by, if anything, and where that begins. */
@@ -70,12 +74,12 @@ export function stateOf(fragment: string): State {
   return state;
 }
 
-/** The fragment that says in what a state differs from the default. */
-export function fragmentOf(state: State): string {
+/** The fragment that says in what a state differs from the default, and keys that are always said. */
+export function fragmentOf(state: State, always: Key[] = []): string {
   const given = new URLSearchParams();
   for (const key of KEYS) {
     const value = state[key];
-    if (value !== DEFAULTS[key]) given.set(key, typeof value === 'boolean' ? (value ? '1' : '0') : String(value));
+    if (value !== DEFAULTS[key] || always.includes(key)) given.set(key, typeof value === 'boolean' ? (value ? '1' : '0') : String(value));
   }
   return given.toString();
 }

@@ -2,7 +2,11 @@
 import { Euler, Quaternion } from 'three';
 import { probeGainOf, wordsOf } from './light';
 import { Gpu, SHADINGS } from './gpu';
-import type { Bytes, Geometry, Lamp, Lit, Look } from './messages';
+import { listenToDrags } from './drag';
+import type { Bytes, Lamp, Lit, Look } from './messages';
+import { Moving, SHADINGS_OF_FIELDS } from './moving';
+import type { AnyGeometry } from './moving-messages';
+import { MovingPool } from './moving-pool';
 import { Navigation } from './navigation';
 import { Pool } from './pool';
 import { Stage, type Picture, type Scale, type Shown } from './stage';
@@ -32,7 +36,9 @@ export interface Report {
 }
 
 export class Viewer {
-  geometry: Geometry | null = null;
+  geometry: AnyGeometry | null = null;
+  readonly moving: Moving;
+  /** A probe; without bytes the light of the scene's own file. */
   probe: Bytes | null = null;
   lamp: Lamp | null = null;
   readonly navigation: Navigation;
@@ -42,7 +48,7 @@ export class Viewer {
   onFrame: (report: Report) => void = () => {};
   onFault: (fault: unknown) => void = () => {};
   private readonly stage: Stage;
-  private pool: Pool | null = null;
+  private pool: Pool | MovingPool | null = null;
   /** Asked for when it is first chosen; undefined where there is none. */
   private gpu: Promise<Gpu | undefined> | null = null;
   private isOnGpu = false;
@@ -52,6 +58,8 @@ export class Viewer {
 
   constructor(private readonly state: State, private readonly canvas: HTMLCanvasElement) {
     this.stage = new Stage(canvas);
+    this.moving = new Moving(state, this.view);
+    this.listenToDrags();
     this.navigation = new Navigation(this.stage.camera, canvas);
     new ResizeObserver(() => {
       if (!this.stage.resize()) return;
@@ -63,6 +71,7 @@ export class Viewer {
 
   /** The shading of a name for this bake; what was not baked is as near to it as there is. */
   shadingOf(name: string): string {
+    if (this.geometry?.moving) return SHADINGS_OF_FIELDS.includes(name) ? name : SHADINGS_OF_FIELDS[0]!;
     const baked = this.geometry?.transfer ?? 'shadowed';
     const order = ['unshadowed', 'shadowed', 'interreflected'];
     if (name === 'glossy' || name === 'adaptive') return name;
@@ -86,9 +95,30 @@ export class Viewer {
   /** Opens a baked file; what is shown stays if it is none. */
   async openScene(file: Bytes) {
     const next = new Pool(WORKER_COUNT);
-    try {
+    await this.show(next, async () => {
       const geometry = await next.open(file);
-      if (this.probe) await next.probe(this.probe);
+      if (this.probe?.bytes.byteLength) await next.probe(this.probe);
+      else this.probe = null;
+      return geometry;
+    });
+  }
+
+  /** Opens a scene of objects that move, which shines by its own light at first; answers which of the files beside it are its own. */
+  async openMoving(scene: Bytes, beside: Bytes[]): Promise<Bytes[]> {
+    const next = new MovingPool(WORKER_COUNT, () => this.moving.places);
+    let own: Bytes[] = [];
+    await this.show(next, async () => {
+      const { geometry, used } = await next.open(scene, beside);
+      own = used;
+      this.probe = { name: `the light of ${scene.name}`, bytes: new ArrayBuffer() };
+      return geometry;
+    });
+    return own;
+  }
+
+  private async show(next: Pool | MovingPool, open: () => Promise<AnyGeometry>) {
+    try {
+      const geometry = await open();
       // A frame that is being made is finished by those who began it.
       while (this.isBusy) await new Promise((resolve) => setTimeout(resolve, 5));
       this.pool?.end();
@@ -97,6 +127,7 @@ export class Viewer {
       next.end();
       throw fault;
     }
+    this.moving.open(this.geometry.moving ?? null);
     this.onScene();
     this.stage.setGeometry(this.geometry.positions, this.geometry.triangles);
     this.stage.setScales(this.geometry.scales);
@@ -123,6 +154,43 @@ export class Viewer {
     this.state.eye = '';
   }
 
+  /** What arrow keys that move objects go by: how large the scene is, and where right is, as x and z. */
+  private get view() {
+    const { stage } = this;
+    return {
+      get radius() {
+        return stage.radius;
+      },
+      get right(): [number, number] {
+        const [x = 1, , z = 0] = stage.camera.matrixWorld.elements;
+        return [x, z];
+      },
+    };
+  }
+
+  /** Objects are elsewhere: they are seen there at once, and lit there once that is done. */
+  moved() {
+    if (this.geometry?.moving && this.moving.hasPoses) this.stage.setPositions(this.moving.positions());
+    this.draw();
+  }
+
+  private listenToDrags() {
+    const { stage, moving } = this;
+    listenToDrags(this.canvas, {
+      ray: (x, y) => stage.ray(x, y),
+      pick: (ray) => {
+        if (!this.geometry?.moving) return undefined;
+        const hit = stage.hit(ray);
+        const object = hit && moving.objectOf(hit.triangle);
+        return object === undefined ? undefined : { object, point: hit!.point };
+      },
+      move: (object, x, z) => moving.by(object, x, z),
+      get reach() {
+        return { center: stage.center, radius: 2 * stage.radius };
+      },
+    });
+  }
+
   changed(what: Change) {
     if (what === 'picture') return this.draw();
     this.stale.frame = true;
@@ -143,6 +211,7 @@ export class Viewer {
   private async work() {
     if (this.isBusy || !this.pool) return;
     this.isBusy = true;
+    this.canvas.setAttribute('aria-busy', 'true');
     try {
       while (this.stale.light || this.stale.frame) {
         if (this.stale.light) {
@@ -156,10 +225,11 @@ export class Viewer {
       this.onFault(fault);
     } finally {
       this.isBusy = false;
+      this.canvas.setAttribute('aria-busy', 'false');
     }
   }
 
-  private async light(pool: Pool) {
+  private async light(pool: Pool | MovingPool) {
     const { state } = this;
     const pictureWidth = BACKGROUNDS[state.background] === 'light' ? SKY_WIDTH : 0;
     this.lamp = await pool.light({
@@ -172,7 +242,7 @@ export class Viewer {
     this.onLight();
   }
 
-  private async frame(pool: Pool) {
+  private async frame(pool: Pool | MovingPool) {
     const { state } = this;
     const start = performance.now();
     const names = state.against === '' ? [state.shading] : [state.shading, state.against];
@@ -188,14 +258,16 @@ export class Viewer {
       const scale = this.stage.setRadiance(side as 0 | 1, numbers, shown);
       if (shown === 'reach') legend = { shown };
       else if (scale) legend = { shown: 'negative', scale };
+      const { placed } = lit[side]!;
+      if (placed) this.stage.setPositions(this.moving.positions(placed));
     }
     this.draw();
     this.onFrame({ lit, isOnGpu, legend, milliseconds: performance.now() - start });
   }
 
   /** What the GPU makes of it, if it is chosen, is there, and has a kernel for it. */
-  private async relightOnGpu(pool: Pool, look: Look): Promise<Lit | undefined> {
-    if (this.state.engine !== 'webgpu' || !SHADINGS.includes(look.shading)) return undefined;
+  private async relightOnGpu(pool: Pool | MovingPool, look: Look): Promise<Lit | undefined> {
+    if (pool instanceof MovingPool || this.state.engine !== 'webgpu' || !SHADINGS.includes(look.shading)) return undefined;
     this.gpu ??= Gpu.create();
     const gpu = await this.gpu;
     if (!gpu) {

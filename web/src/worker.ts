@@ -1,5 +1,6 @@
 /** Lights a share of the points, with the Rust code of the desktop. */
 import type { Answer, Calls, Geometry, Kind, Lit, Question } from './messages';
+import { movingAnswers } from './moving-worker';
 import init, { Lamp, Scene, bake_demo, demo_file, scales } from './wasm/ylm';
 
 const ready = init();
@@ -26,6 +27,10 @@ const answers: { [K in Kind]: (ask: Calls[K]['ask']) => Calls[K]['answer'] } = {
   demoFile({ bands, rays, vectors }) {
     return owned(demo_file(bands, rays, vectors));
   },
+  ...movingAnswers((next) => {
+    lamp?.free();
+    lamp = next;
+  }),
   open({ bytes, name, part, partCount }) {
     // The scene that is shown stays until the new one is known to be good.
     const next = new Scene(new Uint8Array(bytes), name, part, partCount);

@@ -44,7 +44,8 @@ export class Tab {
     while (quiet < 4) {
       await this.page.waitForTimeout(100);
       const now = await this.frames();
-      quiet = now === last && now > 0 ? quiet + 1 : 0;
+      const isBusy = (await this.page.getAttribute('#view', 'aria-busy')) === 'true';
+      quiet = now === last && now > 0 && !isBusy ? quiet + 1 : 0;
       last = now;
     }
   }
@@ -76,6 +77,11 @@ export class Tab {
       for (const { name, bytes } of dropped) transfer.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], name));
       document.dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, bubbles: true, cancelable: true }));
     }, files);
+  }
+
+  /** Gives files to the page by its dialog: those that are too large to be written into a drop. */
+  async choose(...paths: string[]) {
+    await this.page.setInputFiles('#panel input[type=file]', paths);
   }
 
   /** What the page says, once it says something. */

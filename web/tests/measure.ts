@@ -1,4 +1,7 @@
-/** Not a test: how long a scene takes to relight and to open. YLM_BAKED=FILE [YLM_LIGHT=WORDS] npm run measure */
+/**
+ * Not a test: how long a scene takes to relight and to open; of one whose objects move the first is moved from frame to frame.
+ * YLM_BAKED=FILE [YLM_LIGHT=WORDS] npm run measure
+ */
 import { readdirSync, readFileSync, statSync } from 'node:fs';
 import { basename, dirname, join, resolve } from 'node:path';
 import { gzipSync } from 'node:zlib';
@@ -31,10 +34,12 @@ test('measure', async () => {
     input.dispatchEvent(new Event('input', { bubbles: true }));
   }, i + 1);
   const turnEye = () => tab.page.keyboard.press('ArrowLeft');
-  const cases = [
+  const moveObject = (i: number) => tab.page.locator('#objects button').first().press(i % 2 === 0 ? 'ArrowRight' : 'ArrowDown');
+  const ofBakes = [
     ['unshadowed', turnLight], ['shadowed', turnLight], ['glossy', turnLight], ['glossy', turnEye], ['adaptive', turnLight], ['adaptive', turnEye],
   ] as const;
-  for (const [shading, move] of cases) {
+  const ofScenes = [['field-exact', moveObject], ['field-chain', moveObject], ['shexp', moveObject]] as const;
+  for (const [shading, move] of baked.endsWith('.json') ? ofScenes : ofBakes) {
     await tab.set({ shading });
     await tab.page.focus('#view');
     const [relit, drawn]: number[][] = [[], []];
@@ -46,7 +51,7 @@ test('measure', async () => {
       relit!.push(Number(a));
       drawn!.push(Number(b));
     }
-    const what = move === turnEye ? 'the eye moves' : 'the light turns';
+    const what = move === turnEye ? 'the eye moves' : move === turnLight ? 'the light turns' : 'an object moves';
     lines.push(`${shading}, ${what}: relit in ${middle(relit!)} ms, drawn after ${middle(drawn!)} ms, medians of ${FRAMES} frames`);
   }
   const page = resolve('../crates/ylm-cli/page');

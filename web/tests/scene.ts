@@ -4,7 +4,7 @@ import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 
-const YLM = process.env['YLM'] ?? resolve('../target/debug/ylm');
+export const YLM = process.env['YLM'] ?? resolve('../target/debug/ylm');
 
 /** A ball above a floor beside a wall, as .obj: shadows, and light that bounces. */
 function model(): string {

@@ -1,4 +1,4 @@
-//! `ylm view`: a baked scene in the browser, served to this machine alone.
+//! `ylm view`: a baked scene, or one of objects that move, in the browser, served to this machine alone.
 //!
 //! The page is part of the program. The server answers `GET` of a fixed list of names and never makes a path of what it is
 //! asked for; it is bound to 127.0.0.1, and refuses requests that call it by another name, so that no web page can reach it
@@ -11,7 +11,8 @@ use std::process::Command;
 use serde_json::json;
 use tiny_http::{Header, Method, Request, Response, Server, StatusCode};
 use ylm_prt::error::{Error, Result};
-use ylm_prt::format::read_baked;
+use ylm_prt::file::{Disk, Noted};
+use ylm_prt::format::{open_stage_in, read_baked};
 use ylm_prt::image::{Decoded, ReadOptions};
 use ylm_prt::light::{Light, Probe};
 
@@ -22,9 +23,9 @@ use crate::output::{Output, path_value};
 #[derive(clap::Args)]
 #[command(after_help = HELP)]
 pub struct Arguments {
-    /// A file that `ylm bake` wrote
+    /// A file that `ylm bake` wrote, or the .json of a scene of moving objects
     baked: PathBuf,
-    /// The light to begin with: one probe, or formulas joined by + (default: the page's own, a clear afternoon)
+    /// The light to begin with: one probe, or formulas joined by + (default: a scene's own, else the page's, a clear afternoon)
     #[arg(long, value_name = "LIGHT")]
     light: Option<String>,
     /// Port to listen on; one that is free if none is given
@@ -40,7 +41,8 @@ The page is served to this machine alone, until Ctrl-C. Baked files and probes c
 
 Examples:
   ylm view bunny.safetensors --open
-  ylm view bunny.safetensors --light probe.hdr --port 8000";
+  ylm view bunny.safetensors --light probe.hdr --port 8000
+  ylm view scene.json                             drag an object, and its shadow follows";
 
 /// The page: name, type, content. `make web` writes them from `web/`.
 const PAGE: &[(&str, &str, &[u8])] = &[
@@ -59,14 +61,14 @@ const POLICY: &str = "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; 
 struct Given<'a> {
     baked: &'a Path,
     probe: Option<&'a Path>,
-    /// The words of a light that is no file; none if the page chooses.
+    /// The words of a light that is no file; none if the page chooses, or a scene shines by its own.
     words: &'a str,
+    /// The files that a scene names, from its folder.
+    files: Vec<PathBuf>,
 }
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
-    // Read here as well, so that what is wrong is said where the command was given.
-    read_baked(&arguments.baked)?;
     let given = Given::new(&arguments.baked, arguments.light.as_deref())?;
     let server = Server::http(("127.0.0.1", arguments.port)).map_err(|fault| {
         Error::Request(format!("port {} of 127.0.0.1: {fault}; give another --port", arguments.port))
@@ -88,13 +90,19 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
 }
 
 impl<'a> Given<'a> {
+    /// Reads here as well what the page will read, so that what is wrong is said where the command was given.
     fn new(baked: &'a Path, light: Option<&'a str>) -> Result<Self> {
-        let Some(light) = light else { return Ok(Self { baked, probe: None, words: "" }) };
+        let is_moving = options::has_extension(baked, "json");
+        let files = if is_moving { files_of(baked)? } else { Vec::new() };
+        if !is_moving {
+            read_baked(baked)?;
+        }
+        let Some(light) = light else { return Ok(Self { baked, probe: None, words: "", files }) };
         let path = Path::new(light);
         if path.is_file() && !options::has_extension(path, "json") {
             Probe::new(Decoded::open(path, &ReadOptions::RADIANCE)?, None)
                 .map_err(|fault| Error::file(path, fault))?;
-            return Ok(Self { baked, probe: Some(path), words: "" });
+            return Ok(Self { baked, probe: Some(path), words: "", files });
         }
         let parsed = Light::parse(light)?;
         let names_file = light.split(['+', '?']).any(|word| Path::new(word).is_file());
@@ -108,15 +116,30 @@ impl<'a> Given<'a> {
                 "{light}: a light that stands somewhere; the viewer has those from far away"
             )));
         }
-        Ok(Self { baked, probe: None, words: light })
+        Ok(Self { baked, probe: None, words: light, files })
+    }
+
+    /// The folder that a scene's files are relative to.
+    fn folder(&self) -> &Path {
+        self.baked.parent().unwrap_or(Path::new(""))
     }
 
     /// What the page asks for first.
     fn description(&self) -> String {
         let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
-        json!({ "name": name(self.baked), "probe": self.probe.and_then(name), "light": self.words })
+        let files: Vec<_> = self.files.iter().map(|path| path.to_string_lossy()).collect();
+        json!({ "name": name(self.baked), "probe": self.probe.and_then(name), "light": self.words, "files": files })
             .to_string()
     }
+}
+
+/// The files that a scene names, and that the files of its light name, from its folder.
+fn files_of(scene: &Path) -> Result<Vec<PathBuf>> {
+    let noted = Noted::new(&Disk);
+    open_stage_in(scene, &noted)?;
+    let folder = scene.parent().unwrap_or(Path::new(""));
+    let from_folder = |path: &PathBuf| path.strip_prefix(folder).unwrap_or(path).to_owned();
+    Ok(noted.asked().iter().filter(|path| *path != scene).map(from_folder).collect())
 }
 
 /// Answers one request.
@@ -136,6 +159,14 @@ fn answer(request: Request, port: u16, given: &Given) -> std::io::Result<()> {
         return request.respond(response.with_header(header("Content-Security-Policy", POLICY)));
     }
     let file = match (path.as_str(), given.probe) {
+        // A number, of those that the page was told of.
+        (path, _) if path.starts_with("/file/") => {
+            let index = path["/file/".len()..].parse::<usize>().ok();
+            match index.and_then(|index| given.files.get(index)) {
+                Some(named) => &given.folder().join(named),
+                None => return refuse(request, 404, "there is nothing of this number\n"),
+            }
+        }
         ("/view.json", _) => {
             let response = Response::from_string(given.description());
             return request.respond(response.with_header(header("Content-Type", "application/json")));

@@ -27,8 +27,13 @@ impl Viewer {
     fn new() -> Self {
         let place = Place::new();
         place.json("bake cube.obj -o cube.safetensors --bands 3 --rays 16");
+        Self::of(place, "cube.safetensors --light sky:overcast")
+    }
+
+    fn of(place: Place, arguments: &str) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_ylm"))
-            .args(["view", "cube.safetensors", "--light", "sky:overcast", "--json"])
+            .args(["view", "--json"])
+            .args(arguments.split(' '))
             .current_dir(place.path(""))
             .stdout(Stdio::piped())
             .spawn()
@@ -72,6 +77,70 @@ fn the_page_and_the_given_file_are_served_and_nothing_else() {
         assert_eq!(viewer.get(path).0, 404, "{path}");
     }
     assert_eq!(viewer.ask("POST", "/scene", &format!("127.0.0.1:{}", viewer.port)).0, 405);
+}
+
+/// A scene in a folder of its own, with a light that names a light; not baked yet.
+fn scene() -> Place {
+    let place = Place::new();
+    fs::create_dir(place.path("set")).unwrap();
+    let write = |name: &str, text: &str| fs::write(place.path(name), text).unwrap();
+    write("set/cube.obj", place::CUBE);
+    write("set/other.obj", place::CUBE);
+    write(
+        "set/dim.json",
+        r#"{"format": "light", "format_version": 1, "parts": [{"file": "../white.json"}]}"#,
+    );
+    write("white.json", r#"{"format": "light", "format_version": 1, "parts": [{"source": "white"}]}"#);
+    write(
+        "set/scene.json",
+        r#"{"format": "scene", "format_version": 1, "bands": 3, "rays": 16, "field_error": 0.2, "light": "dim.json",
+            "objects": [{"model": "cube.obj"}], "ground": {"size": 9, "cells": 4}}"#,
+    );
+    place
+}
+
+#[test]
+fn of_a_scene_the_files_that_it_names_are_served_by_number_and_nothing_else() {
+    let place = scene();
+    place.json("scene set/scene.json");
+    let viewer = Viewer::of(place, "set/scene.json");
+    let told: serde_json::Value = serde_json::from_slice(&viewer.get("/view.json").1).unwrap();
+    assert_eq!((&told["name"], &told["light"]), (&"scene.json".into(), &"".into()));
+    let files: Vec<&str> =
+        told["files"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
+    assert_eq!(files, ["../white.json", "cube-3.baked", "cube-3.field", "dim.json"]);
+    let of_folder = |name: &str| fs::read(viewer.place.path(&format!("set/{name}"))).unwrap();
+    assert!(viewer.get("/scene") == (200, of_folder("scene.json")));
+    for (index, name) in files.iter().enumerate() {
+        assert!(viewer.get(&format!("/file/{index}")) == (200, of_folder(name)), "{name}");
+    }
+    for path in [
+        "/file/4",
+        "/file/-1",
+        "/file/",
+        "/file/0/../1",
+        "/file/cube-3.field",
+        "/cube-3.field",
+        "/file/cube.obj",
+        "/file/other.obj",
+        "/set/other.obj",
+        "/file//etc/passwd",
+        "/file/../scene.json",
+        "/file/%30",
+    ] {
+        assert_eq!(viewer.get(path).0, 404, "{path}");
+    }
+}
+
+#[test]
+fn a_scene_that_lacks_a_file_is_refused_in_one_line() {
+    let place = scene();
+    let message = place.failure("view set/scene.json", 1);
+    assert!(message.contains("cube-3.baked") && message.lines().count() == 1, "{message}");
+    place.json("scene set/scene.json");
+    fs::remove_file(place.path("set/cube-3.field")).unwrap();
+    let message = place.failure("view set/scene.json", 1);
+    assert!(message.contains("cube-3.field") && message.lines().count() == 1, "{message}");
 }
 
 #[test]
