@@ -8,11 +8,8 @@
 //! representation"
 
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::path::Path;
 
 use glam::DVec3;
-
-use crate::error::{Error, Result};
 
 /// Steps in θ_h, θ_d and φ_d.
 const STEPS: [usize; 3] = [90, 90, 180];
@@ -51,35 +48,22 @@ impl Merl {
     /// Bytes of every file.
     const BYTES: u64 = 12 + 3 * 8 * COUNT as u64;
 
-    /// Reads a file.
-    ///
-    /// # Errors
-    /// If it cannot be read or is none.
-    pub fn open(path: &Path) -> Result<Self> {
-        let found = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
-        if found != Self::BYTES {
-            return Err(Error::file(path, MerlFault::Length { found, expected: Self::BYTES }));
-        }
-        let bytes = std::fs::read(path).map_err(|error| Error::io(path, error))?;
-        Self::decode(&bytes).map_err(|fault| Error::file(path, fault))
-    }
-
-    /// The same of bytes in memory.
+    /// Reads the bytes of a file.
     ///
     /// # Errors
     /// If they are no measured BRDF.
-    pub fn decode(bytes: &[u8]) -> std::result::Result<Self, MerlFault> {
-        let length = MerlFault::Length { found: bytes.len() as u64, expected: Self::BYTES };
-        let Some((header, rest)) = bytes.split_first_chunk::<12>() else { return Err(length) };
+    pub fn decode(bytes: &[u8]) -> Result<Self, MerlFault> {
+        let found = bytes.len() as u64;
+        let header = bytes.split_first_chunk::<12>().filter(|_| found == Self::BYTES);
+        let Some((header, rest)) = header else {
+            return Err(MerlFault::Length { found, expected: Self::BYTES });
+        };
         let (steps, _) = header.as_chunks::<4>();
         let steps: [i32; 3] = std::array::from_fn(|k| i32::from_le_bytes(steps[k]));
         if steps != STEPS.map(|count| count as i32) {
             return Err(MerlFault::Steps(steps));
         }
-        let (numbers, odd) = rest.as_chunks::<8>();
-        if numbers.len() != 3 * COUNT || !odd.is_empty() {
-            return Err(length);
-        }
+        let (numbers, _) = rest.as_chunks::<8>();
         let mut values = Vec::with_capacity(numbers.len());
         for (index, number) in numbers.iter().enumerate() {
             let value = f64::from_le_bytes(*number);
