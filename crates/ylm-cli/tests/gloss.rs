@@ -104,18 +104,18 @@ fn a_spin_writes_numbered_pictures_and_measures_them() {
 #[test]
 fn coherence_lets_a_spin_change_by_no_more_than_its_step_beyond_its_bands() {
     let place = baked();
-    // Coarse thresholds, so that bands come and go.
-    let spin = |name: &str, arguments: &str| {
-        let adaptive = "--shading adaptive --stages foreseen --psnr 25 --spin 90";
-        place.json(&format!("render cube.safetensors -o {name}.png {adaptive} {arguments} {LIGHT}"))["spin"]
-            .clone()
+    // Bands come and go as it turns.
+    let spin = |arguments: &str| {
+        let adaptive = "--shading adaptive --stages foreseen --thresholds 0.005,0.01 --spin 90";
+        let light = "--light disc?dir=1,2,-1&angle=12&intensity=20 --size 64x48 --samples 1";
+        let told = place.json(&format!("render cube.safetensors -o a.png {adaptive} {arguments} {light}"));
+        ["coherence", "excess_over_full"].map(|key| told["spin"][key].as_f64().unwrap())
     };
-    let excess = |told: &serde_json::Value| told["excess_over_full"].as_f64().unwrap();
-    let (alone, coherent, usual) = (spin("a", "--coherence 0"), spin("b", "--coherence 1e-4"), spin("c", ""));
-    assert_eq!((&coherent["coherence"], &usual["coherence"]), (&0.0001f32.into(), &0.001f32.into()));
-    assert!(excess(&coherent) < excess(&alone), "{alone} {coherent}");
-    // Of each of the two parts; what moves with the view does so besides.
-    assert!(excess(&coherent) <= excess(&usual), "{coherent} {usual}");
+    let ([none, alone], [step, coherent], [usual_step, usual]) =
+        (spin("--coherence 0"), spin("--coherence 1e-4"), spin(""));
+    assert!(none == 0.0 && (step - 1e-4).abs() <= 1e-9 && (usual_step - 1e-3).abs() <= 1e-9);
+    // Of each of the two parts.
+    assert!(alone > 0.005 && coherent <= 2e-4 + 1e-6 && usual <= 2e-3 + 1e-6, "{alone} {coherent} {usual}");
 }
 
 #[test]
