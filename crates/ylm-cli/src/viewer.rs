@@ -82,12 +82,10 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
     if arguments.open {
         open_browser(&address, output);
     }
-    std::thread::scope(|threads| {
-        for request in server.incoming_requests() {
-            // One that reads slowly keeps no other waiting; one that went away in the middle of an answer is no fault of ours.
-            threads.spawn(|| drop(answer(request, port, &given)));
-        }
-    });
+    for request in server.incoming_requests() {
+        // A browser that went away in the middle of an answer is no fault of ours.
+        let _ = answer(request, port, &given);
+    }
     Ok(())
 }
 
