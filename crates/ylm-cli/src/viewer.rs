@@ -5,11 +5,12 @@
 //! through a name of its own.
 
 use std::fs::File;
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::json;
-use tiny_http::{Header, Method, Request, Response, Server, StatusCode};
+use tiny_http::{HTTPVersion, Header, Method, Request, Response, Server, StatusCode};
 use ylm_prt::error::{Error, Result};
 use ylm_prt::file::{Disk, Noted};
 use ylm_prt::format::{open_stage_in, read_baked};
@@ -82,10 +83,12 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
     if arguments.open {
         open_browser(&address, output);
     }
-    for request in server.incoming_requests() {
-        // A browser that went away in the middle of an answer is no fault of ours.
-        let _ = answer(request, port, &given);
-    }
+    std::thread::scope(|threads| {
+        for request in server.incoming_requests() {
+            // One that reads slowly keeps no other waiting; one that went away in the middle of an answer is no fault of ours.
+            threads.spawn(|| drop(answer(request, port, &given)));
+        }
+    });
     Ok(())
 }
 
@@ -143,9 +146,9 @@ fn files_of(scene: &Path) -> Result<Vec<PathBuf>> {
 }
 
 /// Answers one request.
-fn answer(request: Request, port: u16, given: &Given) -> std::io::Result<()> {
+fn answer(request: Request, port: u16, given: &Given) -> io::Result<()> {
     let refuse = |request: Request, status: u16, text: &str| {
-        request.respond(Response::from_string(text).with_status_code(StatusCode(status)))
+        send(request, Response::from_string(text).with_status_code(StatusCode(status)))
     };
     if !names_this_machine(&request, port) {
         return refuse(request, 403, "this address is for 127.0.0.1 alone\n");
@@ -156,7 +159,7 @@ fn answer(request: Request, port: u16, given: &Given) -> std::io::Result<()> {
     let path = request.url().split(['?', '#']).next().unwrap_or_default().to_owned();
     if let Some((_, kind, content)) = PAGE.iter().find(|(name, ..)| *name == path) {
         let response = Response::from_data(*content).with_header(header("Content-Type", kind));
-        return request.respond(response.with_header(header("Content-Security-Policy", POLICY)));
+        return send(request, response.with_header(header("Content-Security-Policy", POLICY)));
     }
     let file = match (path.as_str(), given.probe) {
         // A number, of those that the page was told of.
@@ -169,7 +172,7 @@ fn answer(request: Request, port: u16, given: &Given) -> std::io::Result<()> {
         }
         ("/view.json", _) => {
             let response = Response::from_string(given.description());
-            return request.respond(response.with_header(header("Content-Type", "application/json")));
+            return send(request, response.with_header(header("Content-Type", "application/json")));
         }
         ("/scene", _) => given.baked,
         ("/probe", Some(probe)) => probe,
@@ -179,10 +182,21 @@ fn answer(request: Request, port: u16, given: &Given) -> std::io::Result<()> {
         Ok(file) => {
             let response =
                 Response::from_file(file).with_header(header("Content-Type", "application/octet-stream"));
-            request.respond(response.with_header(header("Cache-Control", "no-store")))
+            send(request, response.with_header(header("Cache-Control", "no-store")))
         }
         Err(fault) => refuse(request, 500, &format!("{}: {fault}\n", file.display())),
     }
+}
+
+/// Sends a response as of HTTP/1.0, after which a client closes its connection.
+///
+/// Each connection has one of the library's threads as long as it is open, and one that comes while all are taken may be given to none:
+/// a page that keeps several open waits for ever for what it asks by the next.
+fn send<R: Read>(request: Request, response: Response<R>) -> io::Result<()> {
+    let is_head = *request.method() == Method::Head;
+    let mut writer = request.into_writer();
+    response.raw_print(&mut writer, HTTPVersion(1, 0), &[], is_head, None)?;
+    writer.flush()
 }
 
 /// Whether a request calls this server by its own address.

@@ -6,6 +6,7 @@ use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
+use std::time::Duration;
 
 use place::Place;
 
@@ -77,6 +78,36 @@ fn the_page_and_the_given_file_are_served_and_nothing_else() {
         assert_eq!(viewer.get(path).0, 404, "{path}");
     }
     assert_eq!(viewer.ask("POST", "/scene", &format!("127.0.0.1:{}", viewer.port)).0, 405);
+}
+
+#[test]
+fn many_ask_at_once_as_browsers_do_and_who_does_not_read_keeps_nobody_waiting() {
+    let viewer = Viewer::new();
+    let connected = || {
+        let stream = TcpStream::connect(("127.0.0.1", viewer.port)).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
+        stream
+    };
+    // The connection may stay open, for all that is asked.
+    let ask = |mut stream: &TcpStream, path: &str| {
+        write!(stream, "GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n\r\n", viewer.port).unwrap();
+    };
+    // More than what lies between a writer and a reader.
+    fs::write(viewer.place.path("cube.safetensors"), vec![0; 64 << 20]).unwrap();
+    let idle = connected();
+    ask(&idle, "/scene");
+    for _ in 0..5 {
+        let streams: Vec<TcpStream> = (0..12).map(|_| connected()).collect();
+        streams.iter().for_each(|stream| ask(stream, "/view.json"));
+        // Open until all have their answer, unless the answer says that there is to be no other.
+        let open = streams.into_iter().filter(|stream| {
+            let mut line = String::new();
+            BufReader::new(stream).read_line(&mut line).expect("an answer in time");
+            assert!(line.contains(" 200 "), "{line}");
+            line.starts_with("HTTP/1.1")
+        });
+        drop(open.collect::<Vec<_>>());
+    }
 }
 
 /// A scene in a folder of its own, with a light that names a light; not baked yet.
