@@ -6,7 +6,6 @@ use std::sync::Arc;
 use glam::{Quat, Vec3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use ylm_prt::field::SphereSet;
 use ylm_prt::format::{open_stage, read_stage as read_one};
 use ylm_prt::reference::Settings;
 use ylm_prt::render::render;
@@ -189,20 +188,7 @@ impl Stage {
     /// The same with up to so many balls for each object that casts a shadow; objects of one surface share them.
     fn with_spheres(&self, py: Python<'_>, count: usize) -> Self {
         let mut stage = self.0.clone();
-        py.detach(|| {
-            for index in 0..stage.actors.len() {
-                let (before, rest) = stage.actors.split_at_mut(index);
-                let actor = &mut rest[0];
-                if actor.field.is_none() {
-                    continue;
-                }
-                let twin = before.iter().find(|other| Arc::ptr_eq(&other.points, &actor.points));
-                actor.spheres = match twin.and_then(|twin| twin.spheres.clone()) {
-                    Some(spheres) => Some(spheres),
-                    None => Some(Arc::new(SphereSet::of_surface(&actor.points, count))),
-                };
-            }
-        });
+        py.detach(|| stage.make_spheres(count));
         Self(stage)
     }
 
