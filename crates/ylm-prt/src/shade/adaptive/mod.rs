@@ -83,7 +83,7 @@ pub fn shade_adaptive(
     eye: Vec3,
     settings: &AdaptiveSettings,
 ) -> Result<AdaptiveFrame> {
-    shade_after(scene, light, material, eye, settings, None)
+    Wanted { scene, light, material, eye, settings }.shade(None)
 }
 
 /// [`shade_adaptive`] of the next frame of a moving picture, which flickers less: see [`Coherence`].
@@ -106,32 +106,9 @@ pub fn shade_adaptive_next(
     coherence: &mut Coherence,
 ) -> Result<AdaptiveFrame> {
     let mut past = coherence.open(scene, light, material, settings);
-    let frame = shade_after(scene, light, material, eye, settings, Some(&mut past))?;
+    let frame = Wanted { scene, light, material, eye, settings }.shade(Some(&mut past))?;
     coherence.keep(scene, material, settings);
     Ok(frame)
-}
-
-/// A frame, after the one before it if there is one.
-fn shade_after(
-    scene: &AdaptiveScene,
-    light: &GlossyLight,
-    material: &GlossyMaterial,
-    eye: Vec3,
-    settings: &AdaptiveSettings,
-    past: Option<&mut [Past; 2]>,
-) -> Result<AdaptiveFrame> {
-    check(scene, light, settings)?;
-    if settings.ending == Ending::Foreseen {
-        let on_grid = light.on_grid().ok_or_else(|| unfit(scene, settings))?;
-        return foresee::shade(scene, light, on_grid, material, eye, settings, past);
-    }
-    let [of_diffuse, of_specular] = past.map_or([None, None], |past| past.each_mut().map(Some));
-    let shade = |part, past| shade_by_itself(part, scene, light, material, eye, settings, past);
-    let (diffuse, specular) = rayon::join(
-        || shade(AdaptivePart::Diffuse, of_diffuse),
-        || shade(AdaptivePart::Specular, of_specular),
-    );
-    Ok(AdaptiveFrame { diffuse: diffuse?, specular: specular? })
 }
 
 /// One part of what [`shade_adaptive`] gives: parts know nothing of each other, and may be computed apart.
@@ -146,48 +123,71 @@ pub fn shade_adaptive_part(
     eye: Vec3,
     settings: &AdaptiveSettings,
 ) -> Result<Region> {
-    check(scene, light, settings)?;
+    let wanted = Wanted { scene, light, material, eye, settings };
+    wanted.check()?;
     if settings.ending == Ending::Foreseen {
         return Err(Error::Request("bands are foreseen for both parts together".to_owned()));
     }
-    shade_by_itself(part, scene, light, material, eye, settings, None)
+    wanted.part(part, None)
 }
 
-fn shade_by_itself(
-    part: AdaptivePart,
-    scene: &AdaptiveScene,
-    light: &GlossyLight,
-    material: &GlossyMaterial,
+/// What a frame is of.
+#[derive(Clone, Copy)]
+struct Wanted<'a> {
+    scene: &'a AdaptiveScene<'a>,
+    light: &'a GlossyLight,
+    material: &'a GlossyMaterial,
     eye: Vec3,
-    settings: &AdaptiveSettings,
-    past: Option<&mut Past>,
-) -> Result<Region> {
-    let forms = light.band_forms().ok_or_else(|| unfit(scene, settings))?;
-    let (grid, values) = light.on_grid().ok_or_else(|| unfit(scene, settings))?;
-    match part {
-        AdaptivePart::Diffuse => {
-            region::shade(&Diffuse::new(scene, light, *material, settings), scene, settings, past)
-        }
-        AdaptivePart::Specular => {
-            let lobe = material.lobe(light.bands())?;
-            let specular = Specular { scene, light, forms, grid, values, lobe, eye, settings };
-            region::shade(&specular, scene, settings, past)
-        }
-    }
+    settings: &'a AdaptiveSettings,
 }
 
-fn check(scene: &AdaptiveScene, light: &GlossyLight, settings: &AdaptiveSettings) -> Result<()> {
-    settings.check()?;
-    match light.bands() == scene.baked.transfer.bands {
-        true => Ok(()),
-        false => Err(unfit(scene, settings)),
+impl Wanted<'_> {
+    /// Both parts, after the frame before if there is one.
+    fn shade(self, past: Option<&mut [Past; 2]>) -> Result<AdaptiveFrame> {
+        self.check()?;
+        let Self { scene, light, material, eye, settings } = self;
+        if settings.ending == Ending::Foreseen {
+            let on_grid = light.on_grid().ok_or_else(|| self.unfit())?;
+            return foresee::shade(scene, light, on_grid, material, eye, settings, past);
+        }
+        let [of_diffuse, of_specular] = past.map_or([None, None], |past| past.each_mut().map(Some));
+        let (diffuse, specular) = rayon::join(
+            || self.part(AdaptivePart::Diffuse, of_diffuse),
+            || self.part(AdaptivePart::Specular, of_specular),
+        );
+        Ok(AdaptiveFrame { diffuse: diffuse?, specular: specular? })
     }
-}
 
-fn unfit(scene: &AdaptiveScene, settings: &AdaptiveSettings) -> Error {
-    Error::Request(format!(
-        "adaptive shading of {} bands needs a light of as many, made for the way {:?}",
-        scene.band_count(),
-        settings.light_way()
-    ))
+    /// One part, of bands that end as it climbs.
+    fn part(self, part: AdaptivePart, past: Option<&mut Past>) -> Result<Region> {
+        let Self { scene, light, material, eye, settings } = self;
+        let forms = light.band_forms().ok_or_else(|| self.unfit())?;
+        let (grid, values) = light.on_grid().ok_or_else(|| self.unfit())?;
+        match part {
+            AdaptivePart::Diffuse => {
+                region::shade(&Diffuse::new(scene, light, *material, settings), scene, settings, past)
+            }
+            AdaptivePart::Specular => {
+                let lobe = material.lobe(light.bands())?;
+                let specular = Specular { scene, light, forms, grid, values, lobe, eye, settings };
+                region::shade(&specular, scene, settings, past)
+            }
+        }
+    }
+
+    fn check(self) -> Result<()> {
+        self.settings.check()?;
+        match self.light.bands() == self.scene.baked.transfer.bands {
+            true => Ok(()),
+            false => Err(self.unfit()),
+        }
+    }
+
+    fn unfit(self) -> Error {
+        Error::Request(format!(
+            "adaptive shading of {} bands needs a light of as many, made for the way {:?}",
+            self.scene.band_count(),
+            self.settings.light_way()
+        ))
+    }
 }
