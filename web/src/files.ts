@@ -74,9 +74,7 @@ export interface Given {
 async function fetched(path: string, name: string): Promise<Coming> {
   const response = await fetch(path);
   if (!response.ok) throw new Error(`${name}: ${(await response.text()).trim()}`);
-  // Read at once: the server answers one request after the other, and waits for who does not read.
-  const bytes = await response.arrayBuffer();
-  return { name, arrayBuffer: () => Promise.resolve(bytes) };
+  return { name, arrayBuffer: () => response.arrayBuffer() };
 }
 
 /** What `ylm view` serves beside the page; a static page has nothing. */

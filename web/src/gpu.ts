@@ -13,7 +13,7 @@ import unshadowedText from '../../crates/ylm-gpu/shaders/unshadowed.wgsl?raw';
 import receivedText from '../../crates/ylm-gpu/shaders/received.wgsl?raw';
 import lobeText from '../../crates/ylm-gpu/shaders/lobe.wgsl?raw';
 
-import type { Look, PackedLight, PackedScene } from './messages';
+import { textOf, type Look, type PackedLight, type PackedScene } from './messages';
 
 type Numbers = Float32Array<ArrayBuffer>;
 
@@ -30,8 +30,6 @@ const FRAME_BYTES = 32;
 
 /** Shadings that have kernels. */
 export const SHADINGS = ['unshadowed', 'shadowed', 'interreflected', 'glossy'];
-
-const reason = (fault: unknown) => (fault instanceof Error ? fault.message : String(fault));
 
 const TEXTS = {
   diffuse: frameText + diffuseText,
@@ -86,7 +84,7 @@ export class Gpu {
         return [name, await device.createComputePipelineAsync({ label: name, layout: 'auto', compute: { module, entryPoint: 'main' } })];
       }),
     ).catch((fault: unknown) => {
-      throw new Error(`the GPU does not take the shaders: ${reason(fault)}`);
+      throw new Error(`the GPU does not take the shaders: ${textOf(fault)}`);
     });
     return new Gpu(device, Object.fromEntries(pipelines) as Pipelines);
   }

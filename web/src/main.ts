@@ -2,6 +2,7 @@
 import { showLegend } from './charts';
 import { bakeDemo, DEMO_RAYS } from './demo';
 import { given, listen, takeGiven, type Taker } from './files';
+import { textOf } from './messages';
 import { complain, element, listenToMessages, tell } from './page';
 import { Panel } from './panel';
 import { fragmentOf, stateOf } from './state';
@@ -27,7 +28,7 @@ function made(): Viewer {
   }
 }
 
-const fault = (what: unknown) => complain(what instanceof Error ? what.message : String(what));
+const fault = (what: unknown) => complain(textOf(what));
 
 function changed(change: Change) {
   viewer.changed(change);

@@ -105,4 +105,7 @@ export interface Calls extends MovingCalls {
 
 export type Kind = keyof Calls;
 export type Question = { [K in Kind]: { kind: K; ask: Calls[K]['ask'] } }[Kind];
+/** What is said of what was thrown. */
+export const textOf = (fault: unknown) => (fault instanceof Error ? fault.message : String(fault));
+
 export type Answer = { answer: Calls[Kind]['answer'] } | { fault: string };

@@ -63,7 +63,7 @@ export class Panel {
     if (key === 'auto' && !checked) this.state.exposure = Number(element<HTMLInputElement>('exposure').value);
     // Thresholds of adaptive shading are of what is shown, and a picture of bands is one of other bands.
     const isOfLight = key === 'bands' && this.state.background === 'bands';
-    const isOfPicture = key === 'exposure' && !['adaptive', this.state.against].includes(this.state.shading);
+    const isOfPicture = key === 'exposure' && ![this.state.shading, this.state.against].includes('adaptive');
     this.onChange(isOfLight ? 'light' : isOfPicture ? 'picture' : (CHANGES[key] ?? 'frame'));
     this.show();
   }

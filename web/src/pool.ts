@@ -110,14 +110,23 @@ export class Pool {
   }
 
   private whole(index: number): Promise<Hand> {
-    return (this.wholes[index] ??= this.hire());
+    return (this.wholes[index] ??= this.hire().catch((fault: unknown) => {
+      // Another frame may ask again, and is lit without it meanwhile.
+      this.wholes[index] = undefined;
+      throw fault;
+    }));
   }
 
   private async hire(): Promise<Hand> {
     const hand = new Hand();
-    await hand.ask('open', { ...this.file!, part: 0, partCount: 1 });
-    await hand.ask('light', this.coeffs);
-    return hand;
+    try {
+      await hand.ask('open', { ...this.file!, part: 0, partCount: 1 });
+      await hand.ask('light', this.coeffs);
+      return hand;
+    } catch (fault) {
+      hand.end();
+      throw fault;
+    }
   }
 
   end() {

@@ -67,7 +67,7 @@ function valueOf(key: Key, text: string): State[Key] | undefined {
 export function stateOf(fragment: string): State {
   const state = { ...DEFAULTS };
   for (const [key, text] of new URLSearchParams(fragment.replace(/^#/, ''))) {
-    if (!(key in DEFAULTS)) continue;
+    if (!Object.hasOwn(DEFAULTS, key)) continue;
     const value = valueOf(key as Key, text);
     if (value !== undefined) Object.assign(state, { [key]: value });
   }

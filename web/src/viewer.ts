@@ -3,7 +3,7 @@ import { Euler, Quaternion } from 'three';
 import { probeGainOf, wordsOf } from './light';
 import { Gpu, SHADINGS } from './gpu';
 import { listenToDrags } from './drag';
-import type { Bytes, Lamp, Lit, Look } from './messages';
+import { textOf, type Bytes, type Lamp, type Lit, type Look } from './messages';
 import { Moving, SHADINGS_OF_FIELDS } from './moving';
 import type { AnyGeometry } from './moving-messages';
 import { MovingPool } from './moving-pool';
@@ -268,20 +268,22 @@ export class Viewer {
   /** What the GPU makes of it, if it is chosen, is there, and has a kernel for it. */
   private async relightOnGpu(pool: Pool | MovingPool, look: Look): Promise<Lit | undefined> {
     if (pool instanceof MovingPool || this.state.engine !== 'webgpu' || !SHADINGS.includes(look.shading)) return undefined;
-    this.gpu ??= Gpu.create();
-    const gpu = await this.gpu;
-    if (!gpu) {
+    try {
+      this.gpu ??= Gpu.create();
+      const gpu = await this.gpu;
+      if (!gpu) throw new Error('this browser gives no WebGPU adapter');
+      if (!this.isOnGpu) {
+        await gpu.load(await pool.pack());
+        this.isOnGpu = true;
+      }
+      const start = performance.now();
+      const radiance = await gpu.relight(look, await pool.packLight(look));
+      return radiance && { radiance, reach: new Float32Array(), filtered: [], milliseconds: performance.now() - start };
+    } catch (fault) {
       this.state.engine = 'wasm';
-      this.onFault(new Error('This browser gives no WebGPU adapter: the processor goes on.'));
+      this.onFault(new Error(`${textOf(fault)}; the processor goes on`));
       return undefined;
     }
-    if (!this.isOnGpu) {
-      await gpu.load(await pool.pack());
-      this.isOnGpu = true;
-    }
-    const start = performance.now();
-    const radiance = await gpu.relight(look, await pool.packLight(look));
-    return radiance && { radiance, reach: new Float32Array(), filtered: [], milliseconds: performance.now() - start };
   }
 
   private look(shading: string): Look {

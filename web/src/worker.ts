@@ -1,5 +1,5 @@
 /** Lights a share of the points, with the Rust code of the desktop. */
-import type { Answer, Calls, Geometry, Kind, Lit, Question } from './messages';
+import { textOf, type Answer, type Calls, type Geometry, type Kind, type Lit, type Question } from './messages';
 import { movingAnswers } from './moving-worker';
 import init, { Lamp, Scene, bake_demo, demo_file, scales } from './wasm/ylm';
 
@@ -102,6 +102,6 @@ self.onmessage = async ({ data }: MessageEvent<Question>) => {
     const answer = (answers[data.kind] as (ask: unknown) => Calls[Kind]['answer'])(data.ask);
     self.postMessage({ answer } satisfies Answer, { transfer: given(answer) });
   } catch (fault) {
-    self.postMessage({ fault: fault instanceof Error ? fault.message : String(fault) } satisfies Answer);
+    self.postMessage({ fault: textOf(fault) } satisfies Answer);
   }
 };

@@ -1,7 +1,7 @@
 /** A page of the viewer in headless Chromium. */
 import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
-import { chromium, type Browser, type Page } from 'playwright-core';
+import { chromium, type Browser, type BrowserContext, type Page } from 'playwright-core';
 
 const FLAGS = ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'];
 
@@ -22,8 +22,9 @@ export function launch(graphics: 'with WebGPU' | 'plain' = 'plain'): Promise<Bro
 export class Tab {
   private constructor(readonly page: Page, readonly complaints: string[]) {}
 
-  static async open(browser: Browser, address: string, width = 800 + PANEL, height = 600): Promise<Tab> {
-    const page = await browser.newPage({ viewport: { width, height } });
+  static async open(browser: Browser | BrowserContext, address: string, width = 800 + PANEL, height = 600): Promise<Tab> {
+    const page = await browser.newPage();
+    await page.setViewportSize({ width, height });
     const complaints: string[] = [];
     page.on('console', (message) => {
       if (message.type() === 'error') complaints.push(message.text());

@@ -82,6 +82,15 @@ test('false colours are those of ylm render', async () => {
   expectSame(reach, '--light', disc, '--shading', 'roi', '--shininess', '12');
   expect(await tab.page.innerText('#marks')).toContain('3 bands');
 
+  // Thresholds are of what is shown: on either side another exposure is another frame.
+  for (const sides of [{ shading: 'adaptive', against: '' }, { shading: 'shadowed', against: 'adaptive' }, { shading: 'adaptive', against: 'adaptive' }]) {
+    await tab.set({ ...sides, reach: false });
+    const before = await tab.frames();
+    await tab.set({ exposure: before % 2 ? '-1' : '1' });
+    expect(await tab.frames()).toBeGreaterThan(before);
+  }
+  await tab.set({ against: '', auto: true });
+
   // Where nothing is below 0 all is grey.
   await tab.set({ words: 'white', shading: 'unshadowed', negative: true });
   expect(coloured(await tab.picture())).toBe(0);
@@ -210,7 +219,19 @@ test('the GPU gives the picture of the processor, and where there is none it is 
   const moved = await tab.picture();
   await tab.set({ engine: 'wasm' });
   expect(psnr(await tab.picture(), moved).decibels).toBeGreaterThan(60);
-  expect(tab.complaints).toEqual([]);
+
+  // One that is too small for the scene.
+  const small = await withGpu.newContext();
+  await small.addInitScript(() => Object.defineProperty(GPUDevice.prototype, 'limits', { get: () => ({ maxStorageBufferBindingSize: 1e5, maxBufferSize: 1e5, maxComputeWorkgroupsPerDimension: 65535 }) }));
+  const tight = await Tab.open(small, server.address);
+  await tight.settled();
+  await tight.set({ engine: 'webgpu', turn: '40' });
+  expect(await tight.message()).toMatch(/in one piece.*; the processor goes on/);
+  expect(await tight.page.inputValue('#engine')).toBe('wasm');
+  const turned = await tight.picture();
+  await tight.set({ turn: '0' });
+  expect(psnr(await tight.picture(), turned).decibels).toBeLessThan(45);
+  expect([...tab.complaints, ...tight.complaints]).toEqual([]);
   await withGpu.close();
 
   const without = await Tab.open(browser, server.address);
