@@ -13,6 +13,7 @@ use ylm_prt::format::{open_stage_in, read_baked};
 use ylm_prt::image::{Decoded, ReadOptions};
 use ylm_prt::light::{Light, Probe};
 
+use crate::interrupt::Guard;
 use crate::options;
 use crate::output::{Output, path_value};
 
@@ -58,6 +59,8 @@ pub fn run(arguments: &Arguments, output: &Output) -> Result<()> {
         Error::Request(format!("port {} of 127.0.0.1: {fault}; give another --port", arguments.port))
     })?;
     let address = server.address();
+    // Ctrl-C is how this ends.
+    let _guard = Guard::new();
     output.result(
         &format!("{}: {address}\nCtrl-C ends.\n", arguments.baked.display()),
         &json!({ "baked": path_value(&arguments.baked), "light": arguments.light, "address": address }),

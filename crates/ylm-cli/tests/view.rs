@@ -80,6 +80,17 @@ fn the_page_and_the_given_file_are_served_and_nothing_else() {
     assert_eq!(viewer.ask("POST", "/scene", &format!("127.0.0.1:{}", viewer.port)).0, 405);
 }
 
+#[cfg(unix)]
+#[test]
+fn ctrl_c_is_how_it_ends() {
+    let mut viewer = Viewer::new();
+    assert_eq!(viewer.get("/").0, 200);
+    // An open connection keeps it no longer.
+    let _open = TcpStream::connect(("127.0.0.1", viewer.port)).unwrap();
+    Command::new("kill").args(["-INT", &viewer.child.id().to_string()]).status().unwrap();
+    assert_eq!(viewer.child.wait().unwrap().code(), Some(0));
+}
+
 #[test]
 fn many_ask_at_once_as_browsers_do_and_who_does_not_read_keeps_nobody_waiting() {
     let viewer = Viewer::new();

@@ -18,8 +18,10 @@ use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper::{Method, Request, Response, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
+use tokio::time::{sleep, timeout};
 
 use super::Given;
+use crate::interrupt;
 
 /// The page: name, type, content. `make web` writes them from `web/`.
 const PAGE: &[(&str, &str, &[u8])] = &[
@@ -33,6 +35,9 @@ const PAGE: &[(&str, &str, &[u8])] = &[
 /// Scripts and workers of this origin alone; nothing is loaded from elsewhere.
 const POLICY: &str = "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; \
      style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; connect-src 'self' blob:";
+
+/// How long Ctrl-C may wait.
+const PATIENCE: Duration = Duration::from_millis(50);
 
 type Answer = Response<Full<Bytes>>;
 
@@ -55,16 +60,17 @@ impl Server {
         format!("http://127.0.0.1:{}/", self.port)
     }
 
-    /// Answers until the program ends: one thread takes turns between all connections, others read files.
+    /// Answers until Ctrl-C, which is to be guarded: one thread takes turns between all connections, others read files.
     pub fn serve(self, given: Given) -> io::Result<()> {
         let (port, given) = (self.port, Arc::new(given));
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(self.listener)?;
-            loop {
-                let Ok((stream, _)) = listener.accept().await else {
+            while !interrupt::is_interrupted() {
+                let Ok(accepted) = timeout(PATIENCE, listener.accept()).await else { continue };
+                let Ok((stream, _)) = accepted else {
                     // So many connections are open that there can be no more.
-                    tokio::time::sleep(Duration::from_millis(50)).await;
+                    sleep(PATIENCE).await;
                     continue;
                 };
                 let given = Arc::clone(&given);
@@ -77,6 +83,7 @@ impl Server {
                     drop(connection.await);
                 });
             }
+            Ok(())
         })
     }
 }
