@@ -111,7 +111,7 @@ export class Pool {
 
   private whole(index: number): Promise<Hand> {
     return (this.wholes[index] ??= this.hire().catch((fault: unknown) => {
-      // Another frame may ask again, and is lit without it meanwhile.
+      // Another frame may ask again; until then no light waits for what is not there.
       this.wholes[index] = undefined;
       throw fault;
     }));

@@ -86,7 +86,7 @@ test('false colours are those of ylm render', async () => {
   for (const sides of [{ shading: 'adaptive', against: '' }, { shading: 'shadowed', against: 'adaptive' }, { shading: 'adaptive', against: 'adaptive' }]) {
     await tab.set({ ...sides, reach: false });
     const before = await tab.frames();
-    await tab.set({ exposure: before % 2 ? '-1' : '1' });
+    await tab.set({ exposure: '1' });
     expect(await tab.frames()).toBeGreaterThan(before);
   }
   await tab.set({ against: '', auto: true });

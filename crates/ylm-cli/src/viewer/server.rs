@@ -113,17 +113,24 @@ async fn named(name: &str, given: &Given) -> Answer {
         response.headers_mut().insert(CONTENT_SECURITY_POLICY, HeaderValue::from_static(POLICY));
         return response;
     }
-    match (name, &given.probe) {
-        ("/view.json", _) => response("application/json", given.description().into()),
-        ("/scene", _) => file(given.baked.clone()).await,
-        ("/probe", Some(probe)) => file(probe.clone()).await,
-        // A number, of those that the page was told of.
+    if name == "/view.json" {
+        return response("application/json", given.description().into());
+    }
+    match path(name, given) {
+        Some(path) => file(path).await,
+        None => refusal(StatusCode::NOT_FOUND, "there is nothing of this name"),
+    }
+}
+
+/// The file that is called by a name, of those that were given.
+fn path(name: &str, given: &Given) -> Option<PathBuf> {
+    match name {
+        "/scene" => Some(given.baked.clone()),
+        "/probe" => given.probe.clone(),
+        // By its number, of those that the page was told of.
         _ => {
-            match name.strip_prefix("/file/").and_then(|index| given.files.get(index.parse::<usize>().ok()?))
-            {
-                Some(named) => file(given.folder().join(named)).await,
-                None => refusal(StatusCode::NOT_FOUND, "there is nothing of this name"),
-            }
+            let index: usize = name.strip_prefix("/file/")?.parse().ok()?;
+            Some(given.folder().join(given.files.get(index)?))
         }
     }
 }
